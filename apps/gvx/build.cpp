@@ -1,0 +1,84 @@
+// gvx build INPUT -o OUT.gvx: a volume file into a store.
+
+#include <cstdio>
+#include <filesystem>
+#include <map>
+
+#include "commands.h"
+#include "gvx/io/store_build.h"
+#include "gvx/io/volume_reader.h"
+#include "open_scene.h"
+#include "progress.h"
+#include "units.h"
+
+namespace gvx::app {
+namespace {
+
+struct Options {
+  std::string input, output, memory = "1G", codec = "zstd", type;
+  int brick = 16, tree = 2, threads = 0;
+  bool force = false;
+  RawFlags raw;
+};
+
+Status build(const Options& o) {
+  if (!o.force && std::filesystem::exists(o.output)) return Error{o.output + ": is there already (--force replaces it)"};
+  const std::map<std::string, store::Codec> codecs = {
+      {"zstd", store::Codec::zstd}, {"lz4", store::Codec::lz4}, {"none", store::Codec::none}};
+  const std::map<std::string, VoxelType> types = {
+      {"u8", VoxelType::u8}, {"u16", VoxelType::u16}, {"f32", VoxelType::f32}};
+  io::StoreBuildOptions options;
+  options.n = static_cast<std::uint32_t>(o.tree);
+  options.m = static_cast<std::uint32_t>(o.brick);
+  options.codec = codecs.at(o.codec);
+  if (!o.type.empty()) options.type = types.at(o.type);
+  GVX_ASSIGN(options.memory_bytes, parse_bytes(o.memory));
+  GVX_ASSIGN(const io::RawOptions raw, o.raw.parse());
+  GVX_ASSIGN(const auto volume, io::open_volume(o.input, raw));
+  io::StoreBuildReport report;
+  {
+    Progress progress("building", "");
+    GVX_ASSIGN(report, io::build_store(exec::Device::cpu(o.threads), *volume, o.output, options,
+                                       [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
+  }
+  const Vec3i d = volume->description().dimensions;
+  std::printf("%s: %lld x %lld x %lld voxels, %s\n", o.output.c_str(), static_cast<long long>(d.x),
+              static_cast<long long>(d.y), static_cast<long long>(d.z), bytes_text(report.bytes_written).c_str());
+  if (report.not_finite > 0) {
+    std::fprintf(stderr, "gvx: %s: %llu samples are not finite numbers; they are stored as 0\n", o.input.c_str(),
+                 static_cast<unsigned long long>(report.not_finite));
+  }
+  if (report.rounded) {
+    std::fprintf(stderr, "gvx: %s: %s samples are stored as f32, to 24 bits\n", o.input.c_str(),
+                 io::sample_name(volume->description().type));
+  }
+  return {};
+}
+
+}  // namespace
+
+Command add_build(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand("build", "Build a .gvx store from a volume file");
+  command->add_option("input", options->input, "RAW, NRRD, NIfTI-1 or MetaImage file; - reads raw samples from a pipe")
+      ->required();
+  command->add_option("-o,--output", options->output, "The store to write")->required();
+  command->add_option("--brick", options->brick, "Voxels along an edge of a brick")
+      ->check(CLI::IsMember({8, 16, 32}))
+      ->capture_default_str();
+  command->add_option("--tree", options->tree, "Children along an edge of a node (N)")
+      ->check(CLI::IsMember({2, 3}))
+      ->capture_default_str();
+  command->add_option("--codec", options->codec, "Compression of bricks")
+      ->check(CLI::IsMember({"zstd", "lz4", "none"}))
+      ->capture_default_str();
+  command->add_option("--type", options->type, "Type of the voxels; without it as narrow as keeps 8 and 16 bits, else f32")
+      ->check(CLI::IsMember({"u8", "u16", "f32"}));
+  command->add_option("--memory", options->memory, "Bound of the memory that the build takes")->capture_default_str();
+  command->add_option("--threads", options->threads, "Threads; 0 takes all cores")->check(CLI::Range(0, 1024));
+  command->add_flag("--force", options->force, "Replace OUT.gvx where it is there already");
+  options->raw.add_to(*command);
+  return [options] { return build(*options); };
+}
+
+}  // namespace gvx::app

@@ -1,0 +1,114 @@
+// gvx info PATH: what is in a store or a volume file.
+
+#include <cstdio>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "gvx/io/volume_reader.h"
+#include "gvx/store/store_reader.h"
+#include "open_scene.h"
+#include "units.h"
+
+namespace gvx::app {
+namespace {
+
+struct Options {
+  std::string path;
+  bool json = false;
+  RawFlags raw;
+};
+
+std::vector<double> list(Vec3d v) { return {v.x, v.y, v.z}; }
+
+Vec3d spacing_of(const Affine3& voxel_to_world) {
+  return {length(voxel_to_world.column[0]), length(voxel_to_world.column[1]), length(voxel_to_world.column[2])};
+}
+
+nlohmann::json describe_place(const Vec3i& dimensions, const Affine3& place, bool anatomical) {
+  return {{"dimensions", {dimensions.x, dimensions.y, dimensions.z}},
+          {"spacing", list(spacing_of(place))},
+          {"voxel_to_world", {list(place.column[0]), list(place.column[1]), list(place.column[2]), list(place.origin)}},
+          {"anatomical", anatomical}};
+}
+
+Result<nlohmann::json> describe_store(const std::string& path) {
+  GVX_ASSIGN(const auto reader, store::StoreReader::open(path));
+  const store::VolumeInfo& info = reader->info();
+  nlohmann::json j = describe_place(info.shape.dimensions, info.voxel_to_world, info.anatomical);
+  std::error_code error;
+  j["format"] = "gvx store, version " + std::to_string(store::kVersion);
+  j["type"] = voxel_name(info.type);
+  j["value_range"] = {info.scale * info.range.minimum + info.offset, info.scale * info.range.maximum + info.offset};
+  j["scale"] = info.scale;
+  j["offset"] = info.offset;
+  j["n"] = info.shape.n;
+  j["brick"] = info.shape.m;
+  j["levels"] = info.shape.levels;
+  j["codec"] = store::codec_name(info.codec);
+  j["source"] = info.source;
+  j["file_bytes"] = std::filesystem::file_size(path, error);
+  return j;
+}
+
+Result<nlohmann::json> describe_volume(const std::string& path, const io::RawOptions& raw) {
+  GVX_ASSIGN(const auto reader, io::open_volume(path, raw));
+  const io::VolumeDescription& d = reader->description();
+  nlohmann::json j = describe_place(d.dimensions, d.voxel_to_world, d.anatomical);
+  j["format"] = "volume file";
+  j["type"] = io::sample_name(d.type);
+  j["scale"] = d.scale;
+  j["offset"] = d.offset;
+  j["sample_bytes"] = io::volume_bytes(d);
+  return j;
+}
+
+std::string joined(const nlohmann::json& list, const char* separator) {
+  std::string text;
+  for (const auto& v : list) text += (text.empty() ? "" : separator) + v.dump();
+  return text;
+}
+
+void print(const std::string& path, const nlohmann::json& j) {
+  std::printf("%s\n", path.c_str());
+  const auto row = [](const char* name, const std::string& value) { std::printf("  %-12s %s\n", name, value.c_str()); };
+  row("format", j["format"]);
+  row("voxels", joined(j["dimensions"], " x ") + " " + j["type"].get<std::string>());
+  row("spacing", joined(j["spacing"], ", ") + (j["anatomical"] ? " mm, patient space (x right, y front, z up)" : ""));
+  if (j.contains("value_range")) row("values", joined(j["value_range"], " to "));
+  if (j["scale"] != 1.0 || j["offset"] != 0.0) {
+    row("physical", j["scale"].dump() + " * stored + " + j["offset"].dump());
+  }
+  if (j.contains("levels")) {
+    row("tree", j["levels"].dump() + " levels of N = " + j["n"].dump() + ", bricks of " + j["brick"].dump() + " voxels, " +
+                    j["codec"].get<std::string>());
+    row("source", j["source"]);
+    row("file", bytes_text(j["file_bytes"]));
+  } else {
+    row("samples", bytes_text(j["sample_bytes"]));
+  }
+}
+
+}  // namespace
+
+Command add_info(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand("info", "Say what is in a store or a volume file");
+  command->add_option("path", options->path, "A .gvx store, or a RAW, NRRD, NIfTI or MetaImage file")->required();
+  command->add_flag("--json", options->json, "As JSON");
+  options->raw.add_to(*command);
+  return [options]() -> Status {
+    GVX_ASSIGN(const bool store, is_store(options->path));
+    GVX_ASSIGN(const io::RawOptions raw, options->raw.parse());
+    GVX_ASSIGN(const nlohmann::json j, store ? describe_store(options->path) : describe_volume(options->path, raw));
+    if (options->json) {
+      std::printf("%s\n", j.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    } else {
+      print(options->path, j);
+    }
+    return {};
+  };
+}
+
+}  // namespace gvx::app

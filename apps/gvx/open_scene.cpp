@@ -1,0 +1,129 @@
+#include "open_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <filesystem>
+
+#include <unistd.h>
+
+#include "gvx/io/store_build.h"
+#include "gvx/io/volume_reader.h"
+#include "gvx/produce/sponge_producer.h"
+#include "gvx/produce/store_producer.h"
+#include "gvx/store/store_reader.h"
+#include "progress.h"
+#include "units.h"
+
+namespace gvx::app {
+namespace {
+
+/// A folder of our own in the temporary folder; gone, with all that is in it, when this is.
+class TemporaryFolder {
+ public:
+  static Result<std::unique_ptr<TemporaryFolder>> create() {
+    std::error_code error;
+    std::string pattern = (std::filesystem::temp_directory_path(error) / "gvx-XXXXXX").string();
+    if (error || mkdtemp(pattern.data()) == nullptr) {
+      return Error{pattern + ": cannot create a temporary folder: " + std::strerror(errno)};
+    }
+    return std::unique_ptr<TemporaryFolder>(new TemporaryFolder(pattern));
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  explicit TemporaryFolder(std::string path) : path_(std::move(path)) {}
+  std::string path_;
+};
+
+/// Builds a store that is open but has no name any more, so that nothing is left behind however the program ends.
+Result<std::unique_ptr<store::StoreReader>> build_nameless_store(const exec::Device& cpu, const std::string& path,
+                                                                 const io::RawOptions& raw) {
+  GVX_ASSIGN(const auto volume, io::open_volume(path, raw));
+  GVX_ASSIGN(const auto folder, TemporaryFolder::create());
+  io::StoreBuildOptions options;
+  options.codec = store::Codec::lz4;
+  options.memory_bytes = 4ull << 30;
+  Progress progress("building a temporary store (gvx build keeps it)", "");
+  const std::string store_path = folder->path() + "/volume.gvx";
+  GVX_ASSIGN(const auto report, io::build_store(cpu, *volume, store_path, options,
+                                                [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
+  (void)report;
+  return store::StoreReader::open(store_path);
+}
+
+}  // namespace
+
+Result<bool> is_store(const std::string& path) {
+  if (path == "-") return false;
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return Error{path + ": cannot open: " + std::strerror(errno)};
+  std::array<char, 8> magic{};
+  file.read(magic.data(), magic.size());
+  return magic == store::kMagic || path.ends_with(".gvx");
+}
+
+scene::ValueStatistics value_statistics(const produce::TreeDescription& tree) {
+  scene::ValueStatistics statistics{tree.scale * tree.range.minimum + tree.offset,
+                                    tree.scale * tree.range.maximum + tree.offset, tree.histogram};
+  if (statistics.minimum > statistics.maximum) {
+    std::swap(statistics.minimum, statistics.maximum);
+    std::reverse(statistics.histogram.begin(), statistics.histogram.end());
+  }
+  return statistics;
+}
+
+Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw) {
+  if (name == "sponge") return Scene{std::make_shared<produce::SpongeProducer>(), "solid"};
+  GVX_ASSIGN(const bool store, is_store(name));
+  std::unique_ptr<store::StoreReader> reader;
+  if (store) {
+    GVX_ASSIGN(reader, store::StoreReader::open(name));
+  } else {
+    GVX_ASSIGN(reader, build_nameless_store(cpu, name, raw));
+  }
+  auto producer = std::make_shared<produce::StoreProducer>(std::move(reader));
+  const std::string preset = scene::suggest_preset(value_statistics(producer->description()));
+  return Scene{std::move(producer), preset};
+}
+
+void RawFlags::add_to(CLI::App& command) {
+  const char* group = "Raw input";
+  command.add_option("--dims", dims_, "Voxels along X,Y,Z of a raw file")->group(group);
+  command.add_option("--dtype", dtype_, "Type of its samples: u8 i8 u16 i16 u32 i32 f32 f64")->group(group);
+  command.add_option("--endian", endian_, "Byte order of its samples: little or big")->group(group);
+  command.add_option("--offset", offset_, "Bytes before its first sample")->group(group);
+  command.add_option("--spacing", spacing_, "Size of a voxel along X,Y,Z, of any format")->group(group);
+}
+
+Result<io::RawOptions> RawFlags::parse() const {
+  io::RawOptions raw;
+  raw.offset = offset_;
+  if (!dims_.empty()) {
+    GVX_ASSIGN(raw.dimensions, parse_dimensions(dims_));
+  }
+  if (!dtype_.empty()) {
+    raw.type = io::parse_sample_type(dtype_);
+    if (!raw.type) return Error{"--dtype: '" + dtype_ + "' is not one of " + io::kSampleTypeNames};
+  }
+  if (!endian_.empty()) {
+    if (endian_ != "little" && endian_ != "big") return Error{"--endian: '" + endian_ + "' is not little or big"};
+    raw.big_endian = endian_ == "big";
+  }
+  if (!spacing_.empty()) {
+    GVX_ASSIGN(raw.spacing, parse_vec3(spacing_));
+  }
+  return raw;
+}
+
+}  // namespace gvx::app

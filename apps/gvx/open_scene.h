@@ -1,0 +1,44 @@
+/// \file
+/// From what is typed as SCENE to a producer: a store, another program's volume file, or a built-in scene by name.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "gvx/core/result.h"
+#include "gvx/exec/device.h"
+#include "gvx/io/raw.h"
+#include "gvx/produce/producer.h"
+#include "gvx/scene/transfer_function.h"
+
+namespace gvx::app {
+
+/// Is the file a .gvx store, by its first bytes? An error where it cannot be read.
+Result<bool> is_store(const std::string& path);
+
+struct Scene {
+  std::shared_ptr<const produce::Producer> producer;
+  /// The preset that suits it.
+  std::string preset;
+};
+
+/// Opens SCENE. Another program's volume is built into a store in the temporary folder that goes when the program does.
+Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw);
+
+/// What a transfer function can fit itself to.
+scene::ValueStatistics value_statistics(const produce::TreeDescription& tree);
+
+/// Says a raw file's shape: --dims, --dtype, --endian, --offset, --spacing.
+class RawFlags {
+ public:
+  void add_to(CLI::App& command);
+  Result<io::RawOptions> parse() const;
+
+ private:
+  std::string dims_, dtype_, endian_, spacing_;
+  std::int64_t offset_ = 0;
+};
+
+}  // namespace gvx::app

@@ -1,0 +1,34 @@
+/// \file
+/// Numbers with units, as people type and read them.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "gvx/core/ray.h"
+#include "gvx/core/result.h"
+#include "gvx/core/vec.h"
+
+namespace gvx::app {
+
+/// "512M", "1G", "64K" or bytes; powers of 1024.
+Result<std::uint64_t> parse_bytes(const std::string& text);
+/// "33ms", "1.5s"; a number alone is milliseconds.
+Result<std::chrono::nanoseconds> parse_duration(const std::string& text);
+/// "1280x720".
+struct Size {
+  std::uint32_t width = 0, height = 0;
+};
+Result<Size> parse_size(const std::string& text);
+/// "x,y,z" of whole numbers above 0.
+Result<Vec3i> parse_dimensions(const std::string& text);
+/// "x,y,z".
+Result<Vec3d> parse_vec3(const std::string& text);
+/// "x0,y0,z0,x1,y1,z1".
+Result<Box3d> parse_box(const std::string& text);
+
+/// "1.3 GiB".
+std::string bytes_text(std::uint64_t bytes);
+
+}  // namespace gvx::app

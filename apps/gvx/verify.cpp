@@ -1,0 +1,33 @@
+// gvx verify STORE.gvx: is every byte of it as it was written?
+
+#include "gvx/store/verify.h"
+
+#include <cstdio>
+
+#include "commands.h"
+#include "progress.h"
+#include "units.h"
+
+namespace gvx::app {
+
+Command add_verify(CLI::App& program) {
+  auto path = std::make_shared<std::string>();
+  auto threads = std::make_shared<int>(0);
+  CLI::App* command = program.add_subcommand("verify", "Check every brick and index page of a store");
+  command->add_option("store", *path, "The store")->required();
+  command->add_option("--threads", *threads, "Threads; 0 takes all cores")->check(CLI::Range(0, 1024));
+  return [path, threads]() -> Status {
+    store::VerifyReport report;
+    {
+      Progress progress("verifying", "nodes");
+      GVX_ASSIGN(report, store::verify(exec::Device::cpu(*threads), *path,
+                                       [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
+    }
+    std::printf("%s: sound: %llu bricks and %llu constant nodes, %s read\n", path->c_str(),
+                static_cast<unsigned long long>(report.bricks), static_cast<unsigned long long>(report.constant_nodes),
+                bytes_text(report.bytes_read).c_str());
+    return {};
+  };
+}
+
+}  // namespace gvx::app

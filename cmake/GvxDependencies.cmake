@@ -1,0 +1,17 @@
+# Everything gvx is built on; each has a Debian package of the name in brackets (tools/setup installs them).
+
+find_package(Threads REQUIRED)
+find_package(TBB REQUIRED)              # libtbb-dev
+find_package(ZLIB REQUIRED)             # zlib1g-dev
+find_package(BZip2 REQUIRED)            # libbz2-dev
+find_package(PNG REQUIRED)              # libpng-dev
+find_package(nlohmann_json REQUIRED)    # nlohmann-json3-dev
+find_package(PkgConfig REQUIRED)        # pkg-config
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)  # libzstd-dev
+pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)    # liblz4-dev
+find_path(GVX_XXHASH_INCLUDE xxhash.h REQUIRED)           # libxxhash-dev
+
+find_package(OpenEXR QUIET)             # libopenexr-dev
+if(NOT OpenEXR_FOUND)
+  message(STATUS "gvx: OpenEXR not found: built without EXR pictures")
+endif()

@@ -1,0 +1,38 @@
+# gvx_room(NAME MAY_INCLUDE <room>... [SOURCES <file>...] [DEVICE_SOURCES <file>...] [TESTS <file>...] [DEVICE_TESTS <file>...]
+#          [LIBRARIES <target>...])
+#
+# A room is a folder of src/gvx, a namespace and a library. MAY_INCLUDE is the house's include table: the build
+# links these rooms and no others, and tools/check_includes.py compares every #include with it.
+# DEVICE_SOURCES launch kernels: CUDA where CUDA is enabled, C++ where it is not.
+# TESTS are compiled into the one unit-test program; DEVICE_TESTS launch kernels themselves.
+function(gvx_room NAME)
+  cmake_parse_arguments(ROOM "" "" "MAY_INCLUDE;SOURCES;DEVICE_SOURCES;TESTS;DEVICE_TESTS;LIBRARIES" ${ARGN})
+  set(target gvx_${NAME})
+  if(ROOM_SOURCES OR ROOM_DEVICE_SOURCES)
+    add_library(${target} STATIC ${ROOM_SOURCES} ${ROOM_DEVICE_SOURCES})
+    set(scope PUBLIC)
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:${GVX_CXX_FLAGS}>)
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  else()
+    add_library(${target} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  add_library(gvx::${NAME} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${NAME})
+  target_include_directories(${target} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>
+                                                $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_compile_features(${target} ${scope} cxx_std_20)
+  list(TRANSFORM ROOM_MAY_INCLUDE PREPEND gvx_ OUTPUT_VARIABLE rooms)
+  target_link_libraries(${target} ${scope} ${rooms} ${ROOM_LIBRARIES})
+  if(GVX_WITH_CUDA AND ROOM_DEVICE_SOURCES)
+    set_source_files_properties(${ROOM_DEVICE_SOURCES} PROPERTIES LANGUAGE CUDA)
+    target_compile_options(${target} PRIVATE
+      $<$<COMPILE_LANGUAGE:CUDA>:--extended-lambda --expt-relaxed-constexpr -Xcompiler=-Wall,-Wextra,-ffp-contract=off>)
+    set_target_properties(${target} PROPERTIES CUDA_RESOLVE_DEVICE_SYMBOLS OFF)
+  endif()
+  list(TRANSFORM ROOM_TESTS PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  list(TRANSFORM ROOM_DEVICE_TESTS PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  set_property(GLOBAL APPEND PROPERTY GVX_UNIT_TESTS ${ROOM_TESTS})
+  set_property(GLOBAL APPEND PROPERTY GVX_DEVICE_UNIT_TESTS ${ROOM_DEVICE_TESTS})
+  set_property(GLOBAL APPEND PROPERTY GVX_ROOMS ${NAME})
+endfunction()

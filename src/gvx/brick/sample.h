@@ -1,0 +1,60 @@
+/// \file
+/// Sampling of one brick: trilinear values and their gradient. Positions are in voxels from the brick's low corner,
+/// 0 to M; a position outside that by rounding is held at the border.
+#pragma once
+
+#include "gvx/brick/brick_layout.h"
+#include "gvx/core/vec.h"
+
+namespace gvx::brick {
+
+/// Where a coordinate falls between two texels.
+template <int M>
+struct TexelAxis {
+  int low;
+  float weight;
+
+  /// `position` from -0.5 to M+0.5 in voxels.
+  GVX_HD explicit TexelAxis(float position) {
+    float texel = position + 0.5f;
+    texel = texel > 0.0f ? texel : 0.0f;
+    texel = texel < float(M + 1) ? texel : float(M + 1);
+    low = static_cast<int>(texel);
+    low = low < M ? low : M;
+    weight = texel - static_cast<float>(low);
+  }
+};
+
+/// The trilinear value between eight texels.
+template <int M, typename Voxel>
+GVX_HD inline float trilinear(const Voxel* voxels, TexelAxis<M> x, TexelAxis<M> y, TexelAxis<M> z) {
+  constexpr int kRow = BrickLayout<M>::kEdge, kSlice = kRow * kRow;
+  const Voxel* v = voxels + BrickLayout<M>::offset(x.low, y.low, z.low);
+  const auto along_x = [&](int offset) {
+    const float a = static_cast<float>(v[offset]), b = static_cast<float>(v[offset + 1]);
+    return a + x.weight * (b - a);
+  };
+  const float c00 = along_x(0), c10 = along_x(kRow), c01 = along_x(kSlice), c11 = along_x(kSlice + kRow);
+  const float c0 = c00 + y.weight * (c10 - c00), c1 = c01 + y.weight * (c11 - c01);
+  return c0 + z.weight * (c1 - c0);
+}
+
+/// The stored value at a position.
+template <int M, typename Voxel>
+GVX_HD inline float sample(const Voxel* voxels, Vec3f position) {
+  return trilinear<M>(voxels, TexelAxis<M>(position.x), TexelAxis<M>(position.y), TexelAxis<M>(position.z));
+}
+
+/// The gradient per voxel by central differences of half a voxel: continuous, and the same on both sides of a face.
+template <int M, typename Voxel>
+GVX_HD inline Vec3f gradient(const Voxel* voxels, Vec3f position) {
+  const TexelAxis<M> x(position.x), y(position.y), z(position.z);
+  return {trilinear<M>(voxels, TexelAxis<M>(position.x + 0.5f), y, z) -
+              trilinear<M>(voxels, TexelAxis<M>(position.x - 0.5f), y, z),
+          trilinear<M>(voxels, x, TexelAxis<M>(position.y + 0.5f), z) -
+              trilinear<M>(voxels, x, TexelAxis<M>(position.y - 0.5f), z),
+          trilinear<M>(voxels, x, y, TexelAxis<M>(position.z + 0.5f)) -
+              trilinear<M>(voxels, x, y, TexelAxis<M>(position.z - 0.5f))};
+}
+
+}  // namespace gvx::brick

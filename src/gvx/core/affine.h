@@ -1,0 +1,47 @@
+/// \file
+/// Affine3: a 3x4 matrix that places one space in another, in double precision.
+#pragma once
+
+#include "gvx/core/vec.h"
+
+namespace gvx {
+
+/// Maps p to x*column[0] + y*column[1] + z*column[2] + origin.
+struct Affine3 {
+  Vec3d column[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  Vec3d origin;
+
+  GVX_HD Vec3d point(Vec3d p) const { return vector(p) + origin; }
+  GVX_HD Vec3d vector(Vec3d v) const { return v.x * column[0] + v.y * column[1] + v.z * column[2]; }
+  /// The transposed linear part times v: takes a gradient in the target space to the source space.
+  GVX_HD Vec3d transposed_vector(Vec3d v) const {
+    return {dot(column[0], v), dot(column[1], v), dot(column[2], v)};
+  }
+
+  constexpr bool operator==(const Affine3&) const = default;
+};
+
+/// The signed volume of the unit cube's image; zero means that there is no inverse.
+inline double determinant(const Affine3& a) { return dot(a.column[0], cross(a.column[1], a.column[2])); }
+
+/// a after b: p goes to a.point(b.point(p)).
+inline Affine3 operator*(const Affine3& a, const Affine3& b) {
+  return {{a.vector(b.column[0]), a.vector(b.column[1]), a.vector(b.column[2])}, a.point(b.origin)};
+}
+
+/// Needs a determinant other than zero.
+inline Affine3 inverse(const Affine3& a) {
+  const double d = determinant(a);
+  GVX_CHECK(d != 0);
+  const Vec3d r0 = cross(a.column[1], a.column[2]) / d;
+  const Vec3d r1 = cross(a.column[2], a.column[0]) / d;
+  const Vec3d r2 = cross(a.column[0], a.column[1]) / d;
+  Affine3 inverted{{{r0.x, r1.x, r2.x}, {r0.y, r1.y, r2.y}, {r0.z, r1.z, r2.z}}, {}};
+  inverted.origin = -inverted.vector(a.origin);
+  return inverted;
+}
+
+/// Scales the axes of the source space: p goes to p*s.
+inline Affine3 scaling(Vec3d s) { return {{{s.x, 0, 0}, {0, s.y, 0}, {0, 0, s.z}}, {}}; }
+
+}  // namespace gvx

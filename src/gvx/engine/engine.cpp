@@ -1,0 +1,224 @@
+#include "gvx/engine/engine.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace gvx::engine {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Tiles that a budget frame works on between two looks at what producers have finished.
+constexpr std::uint32_t kPreviewChunk = 128;
+// What a frame at rest spends on showing new data coarsely before exact rays reach it.
+constexpr double kRefreshShare = 0.4;
+
+// Production threads beside a GPU, whose own host thread mostly waits.
+constexpr int kCudaProducers = 8;
+
+render::TreePlacement placement_of(const produce::TreeDescription& tree) {
+  return {static_cast<int>(tree.n), static_cast<int>(tree.m), static_cast<int>(tree.max_level),
+          tree.tree_to_world,       tree.extent,              tree.scale,
+          tree.offset};
+}
+
+Status check(const produce::TreeDescription& tree) {
+  if (tree.max_level >= render::kMaxLevels) {
+    return Error{"volume: " + std::to_string(tree.max_level + 1) + " levels; the renderer knows " +
+                 std::to_string(render::kMaxLevels)};
+  }
+  if (determinant(tree.tree_to_world) == 0) return Error{"volume: its placement in the world has no inverse"};
+  return {};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Engine>> Engine::create(const exec::Device& device,
+                                               std::shared_ptr<const produce::Producer> producer,
+                                               const EngineOptions& options) {
+  GVX_TRY(check(producer->description()));
+  PoolSizes sizes;
+  if (options.pools) {
+    sizes = *options.pools;
+  } else {
+    GVX_ASSIGN(sizes, PoolSizes::fitting(options.memory_bytes, producer->description()));
+  }
+  std::unique_ptr<Engine> engine(new Engine(device, std::move(producer), sizes));
+  GVX_TRY(engine->residency_.plant_root());
+  return engine;
+}
+
+Engine::Engine(const exec::Device& device, std::shared_ptr<const produce::Producer> producer, PoolSizes sizes)
+    : device_(device),
+      producer_(std::move(producer)),
+      residency_(device, *producer_, sizes),
+      queue_(producer_, device.kind() == exec::DeviceKind::cpu ? device.threads() : kCudaProducers) {}
+
+Status Engine::look(const render::View& view) {
+  if (view_ && *view_ == view) return {};
+  GVX_ASSIGN(auto frame, render::Frame::make(device_, view, placement_of(producer_->description())));
+  const bool new_function = !view_ || !(view_->function == view.function);
+  const bool new_size = !view_ || view_->width != view.width || view_->height != view.height;
+  frame_ = std::move(frame);
+  view_ = view;
+  residency_.set_function(frame_->view().function, new_function);
+  if (new_size) {
+    film_.emplace(device_, view.width, view.height);
+    tile_list_ = exec::Buffer<std::uint32_t>(device_, film_->grid().tiles());
+    tile_flags_ = exec::Buffer<std::uint32_t>(device_, film_->grid().tiles());
+  } else {
+    film_->clear();
+  }
+  unfinished_tiles_.resize(film_->grid().tiles());
+  std::iota(unfinished_tiles_.begin(), unfinished_tiles_.end(), 0u);
+  preview_ = {};
+  data_came_ = false;
+  return {};
+}
+
+render::Pass Engine::pass() {
+  const produce::TreeDescription& tree = producer_->description();
+  render::Pass pass;
+  pass.type = tree.type;
+  pass.n = tree.n;
+  pass.m = tree.m;
+  pass.frame = frame_->view();
+  pass.nodes = residency_.nodes().view();
+  pass.voxels = residency_.bricks().voxels();
+  pass.tile_usage = residency_.tile_usage();
+  pass.brick_usage = residency_.brick_usage();
+  pass.requests = residency_.requests();
+  pass.number = stamp_;
+  pass.epoch = film_->epoch();
+  return pass;
+}
+
+/// Marches the first `tiles` unfinished tiles and strikes out those that are finished; returns whether none was cut off
+/// by the deadline.
+bool Engine::exact_pass(std::size_t tiles, exec::Deadline deadline) {
+  ++statistics_.passes;
+  tiles = std::min(tiles, unfinished_tiles_.size());
+  std::copy_n(unfinished_tiles_.begin(), tiles, tile_list_.view().begin());
+  for (std::size_t i = 0; i < tiles; ++i) tile_flags_.view()[unfinished_tiles_[i]] = 0;
+  const bool whole = render::march_exact(device_, pass(), film_->grid(), {tile_list_.view().data, tiles}, deadline,
+                                         film_->rays(), tile_flags_.view());
+  if (!whole) return false;
+  const auto first = unfinished_tiles_.begin(), last = first + static_cast<std::ptrdiff_t>(tiles);
+  const auto kept = std::remove_if(first, last, [&](std::uint32_t tile) { return tile_flags_.view()[tile] == 0; });
+  unfinished_tiles_.erase(kept, last);
+  return true;
+}
+
+Status Engine::render_exact() {
+  GVX_CHECK(film_.has_value());
+  begin_frame();
+  std::size_t window = unfinished_tiles_.size();
+  Eviction eviction = Eviction::unused;
+  while (!unfinished_tiles_.empty()) {
+    ++stamp_;
+    exact_pass(window, exec::no_deadline());                      // render
+    std::vector<produce::Job> jobs = residency_.collect(stamp_);  // collect
+    statistics_.requests += residency_.requested();
+    // Where rays want more than there is room for, fewer run at a time; where even one tile of them does, what is in
+    // use is pushed out: they have passed it.
+    const bool crowded = residency_.limit_to_room(jobs, eviction);
+    eviction = crowded && jobs.empty() && window == 1 ? Eviction::any : Eviction::unused;
+    window = crowded ? std::max<std::size_t>(1, window / 2) : std::min<std::size_t>(window + window / 4 + 1, film_->grid().tiles());
+    queue_.replace(jobs);
+    while (!queue_.idle()) {
+      queue_.wait();                       // produce
+      GVX_TRY(take_finished(eviction));    // evict, commit
+    }
+  }
+  end_frame();
+  return {};
+}
+
+/// Draws preview stages until the deadline or until the picture is drawn in single pixels.
+void Engine::preview_pass(exec::Deadline deadline) {
+  while (!preview_.complete && Clock::now() < deadline) {
+    const std::uint32_t block = preview_.block;
+    const exec::TileGrid grid{(view_->width + block - 1) / block, (view_->height + block - 1) / block, 8};
+    const std::uint32_t count = std::min(kPreviewChunk, grid.tiles() - preview_.tile);
+    std::iota(tile_list_.view().begin(), tile_list_.view().begin() + count, preview_.tile);
+    ++statistics_.passes;
+    if (!render::march_preview(device_, pass(), grid, {tile_list_.view().data, count}, deadline, block,
+                               preview_.refine, film_->rays(), film_->preview())) {
+      return;
+    }
+    preview_.tile += count;
+    if (preview_.tile < grid.tiles()) continue;
+    preview_ = {block / 2, 0, true, block == 1};
+  }
+}
+
+Status Engine::render_for(std::chrono::nanoseconds budget) {
+  GVX_CHECK(film_.has_value());
+  begin_frame();
+  ++stamp_;
+  const exec::Deadline deadline = frame_start_ + budget;
+  GVX_TRY(residency_.plant_root_brick());
+  GVX_TRY(take_finished(Eviction::unused));
+  // A picture at rest that is drawn already is refreshed with what came since, for a part of the time.
+  if (preview_.complete && data_came_) {
+    preview_ = {1, 0, false, false};
+    data_came_ = false;
+  }
+  const auto refresh_deadline =
+      frame_start_ + std::chrono::duration_cast<std::chrono::nanoseconds>(budget * kRefreshShare);
+  while (!unfinished_tiles_.empty() && Clock::now() < deadline) {
+    const bool refreshing = preview_.block == 1 && !preview_.refine;
+    preview_pass(refreshing ? refresh_deadline : deadline);                               // render
+    if (preview_.complete || refreshing) exact_pass(unfinished_tiles_.size(), deadline);
+    queue_.replace(residency_.collect(stamp_));                                           // collect
+    statistics_.requests += residency_.requested();
+    while (!unfinished_tiles_.empty() && !queue_.idle() && Clock::now() < deadline) {
+      queue_.wait_until(deadline);                                                        // produce
+      GVX_TRY(take_finished(Eviction::unused));                                           // evict, commit
+    }
+  }
+  end_frame();
+  return {};
+}
+
+Status Engine::take_finished(Eviction eviction) {
+  std::vector<produce::Produced> made = queue_.take_finished();
+  if (made.empty()) return {};
+  statistics_.bricks_produced += static_cast<std::uint64_t>(std::count_if(
+      made.begin(), made.end(), [](const produce::Produced& p) { return p.job.kind == produce::JobKind::brick; }));
+  GVX_ASSIGN(const CommitCounts counts, residency_.commit(std::move(made), eviction));
+  statistics_.bricks_evicted += counts.bricks_evicted;
+  data_came_ = data_came_ || counts.committed > 0;
+  return {};
+}
+
+void Engine::begin_frame() {
+  frame_start_ = Clock::now();
+  statistics_ = {};
+}
+
+void Engine::end_frame() {
+  statistics_.frame_milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - frame_start_).count();
+}
+
+Statistics Engine::statistics() const {
+  Statistics s = statistics_;
+  const render::FilmTotals totals = film_ ? film_->totals() : render::FilmTotals{};
+  s.bricks_resident = residency_.resident_bricks();
+  s.nodes_resident = residency_.resident_nodes();
+  s.bytes_read = producer_->bytes_read();
+  s.samples = totals.samples;
+  s.converged = film_ && unfinished_tiles_.empty();
+  const double wanted = static_cast<double>(std::max<std::uint64_t>(totals.wanted, 1));
+  s.resident_share = s.converged ? 1.0 : static_cast<double>(totals.resident) / wanted;
+  s.worst_lack = s.converged ? 0 : totals.worst_lack;
+  s.peak_memory_bytes = peak_memory_bytes();
+  return s;
+}
+
+render::Picture Engine::picture() const {
+  GVX_CHECK(film_.has_value());
+  return film_->develop(view_->background, view_->opaque_background);
+}
+
+}  // namespace gvx::engine

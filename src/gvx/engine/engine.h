@@ -1,0 +1,88 @@
+/// \file
+/// Engine: the loop that ties the house together. Rays render and mark; marks become jobs; producers make bricks; room
+/// is found; nodes are linked; and again, until no ray lacks anything (exact) or the time is over (budget).
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "gvx/core/result.h"
+#include "gvx/engine/residency.h"
+#include "gvx/engine/statistics.h"
+#include "gvx/exec/device.h"
+#include "gvx/produce/producer.h"
+#include "gvx/produce/production_queue.h"
+#include "gvx/render/film.h"
+#include "gvx/render/frame.h"
+#include "gvx/render/march_pass.h"
+
+namespace gvx::engine {
+
+struct EngineOptions {
+  std::uint64_t memory_bytes = 512ull << 20;  ///< of the brick pool
+  std::optional<PoolSizes> pools;             ///< instead of memory_bytes: for tests of tiny pools
+};
+
+/// One volume, one device, one picture at a time. Not thread-safe.
+class Engine {
+ public:
+  static Result<std::unique_ptr<Engine>> create(const exec::Device& device,
+                                                std::shared_ptr<const produce::Producer> producer,
+                                                const EngineOptions& options);
+
+  /// Says what to look at; an error where the view cannot be made. What was rendered is dropped if anything changed.
+  Status look(const render::View& view);
+
+  /// Renders until no ray lacks anything. The picture is the same for every cache size and number of threads.
+  Status render_exact();
+
+  /// Renders for this long: first a preview of what is resident, coarse blocks of pixels first, then exact rays; what
+  /// producers finish meanwhile is taken in. Called again without a change of view it goes on, until the picture is
+  /// the exact one.
+  Status render_for(std::chrono::nanoseconds budget);
+
+  render::Picture picture() const;
+  /// Of the last call of render_exact or render_for. Reads all pixels.
+  Statistics statistics() const;
+  const produce::TreeDescription& tree() const { return producer_->description(); }
+  /// For tests.
+  const Residency& residency() const { return residency_; }
+
+ private:
+  /// How far a preview has come: its stage and the first tile of it that is not drawn.
+  struct PreviewProgress {
+    std::uint32_t block = render::Film::kLargestBlock;
+    std::uint32_t tile = 0;
+    bool refine = false;
+    bool complete = false;
+  };
+
+  Engine(const exec::Device& device, std::shared_ptr<const produce::Producer> producer, PoolSizes sizes);
+
+  render::Pass pass();
+  bool exact_pass(std::size_t tiles, exec::Deadline deadline);
+  void preview_pass(exec::Deadline deadline);
+  Status take_finished(Eviction eviction);
+  void begin_frame();
+  void end_frame();
+
+  exec::Device device_;
+  std::shared_ptr<const produce::Producer> producer_;
+  Residency residency_;
+  produce::ProductionQueue queue_;
+  std::optional<render::View> view_;
+  std::optional<render::Frame> frame_;
+  std::optional<render::Film> film_;
+  std::vector<std::uint32_t> unfinished_tiles_;
+  exec::Buffer<std::uint32_t> tile_list_, tile_flags_;
+  std::uint32_t stamp_ = 0;
+  PreviewProgress preview_;
+  bool data_came_ = false;  // since the preview was begun
+  std::chrono::steady_clock::time_point frame_start_;
+  Statistics statistics_;
+};
+
+}  // namespace gvx::engine

@@ -1,0 +1,112 @@
+/// \file
+/// Residency: which part of the tree is in memory. It turns the marks of rays into jobs for producers, and commits what
+/// producers made: finds room, clears every pointer to what had that room, and links the new.
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "gvx/brick/brick_pool.h"
+#include "gvx/cache/request_marks.h"
+#include "gvx/core/result.h"
+#include "gvx/exec/device.h"
+#include "gvx/produce/producer.h"
+#include "gvx/produce/production_queue.h"
+#include "gvx/scene/transfer_function.h"
+#include "gvx/tree/node_pool.h"
+
+namespace gvx::engine {
+
+/// How much may be resident.
+struct PoolSizes {
+  std::uint32_t tiles = 0;
+  std::uint32_t bricks = 0;
+
+  /// Bricks for this much memory, but no more than the tree has, and tiles to match; an error where not even two fit.
+  static Result<PoolSizes> fitting(std::uint64_t memory_bytes, const produce::TreeDescription& tree);
+};
+
+/// Whom a commit may push out.
+enum class Eviction {
+  unused,  ///< only what the last pass did not touch: a preview's rays come back to what they used
+  any      ///< the oldest, used or not: exact rays never come back
+};
+
+/// What a commit did with what it was given.
+struct CommitCounts {
+  std::uint64_t committed = 0;
+  std::uint64_t bricks_evicted = 0;
+  std::uint64_t turned_away = 0;  ///< for want of room; rays will ask again
+};
+
+class Residency {
+ public:
+  Residency(const exec::Device& device, const produce::Producer& producer, PoolSizes sizes);
+
+  /// Puts the root in place; once, before anything else.
+  Status plant_root();
+
+  /// Makes the root's brick where a preview would have nothing else to show.
+  Status plant_root_brick();
+
+  /// The function that says which nodes are transparent; it must live until the next call. Where it is another than
+  /// before, and not only at another address, the resident nodes are reclassified.
+  void set_function(const scene::TransferView& function, bool another);
+
+  const tree::NodePool& nodes() const { return nodes_; }
+  const brick::BrickPool& bricks() const { return bricks_; }
+  cache::UsageView tile_usage() { return nodes_.usage().view(); }
+  cache::UsageView brick_usage() { return bricks_.usage().view(); }
+  cache::RequestView requests() { return marks_.view(); }
+
+  /// After a pass: orders both caches by use, and returns what its rays lack, the most urgent first, each once. What is
+  /// resident under another name is linked at once.
+  std::vector<produce::Job> collect(std::uint32_t pass);
+
+  /// Drops jobs, from the back, that commit() would have no room for; returns whether there were any.
+  bool limit_to_room(std::vector<produce::Job>& jobs, Eviction eviction) const;
+
+  /// Takes in what producers made. An error of a producer is returned after the rest has been committed.
+  Result<CommitCounts> commit(std::vector<produce::Produced> made, Eviction eviction);
+
+  /// Requested nodes in the last collect().
+  std::uint64_t requested() const { return requested_; }
+  std::uint64_t resident_bricks() const { return brick_of_.size(); }
+  std::uint64_t resident_nodes() const { return tile_of_.size() * nodes_.nodes_per_tile() + 1; }
+
+  /// Checks every pointer, map and list against each other; aborts where they disagree. For tests.
+  void check_invariants() const;
+
+ private:
+  struct BrickOwner {
+    NodeKey key;
+    bool occupied = false;
+  };
+
+  NodeKey key_of(NodeIndex node) const;
+  bool is_transparent(ValueRange range) const;
+  void link(NodeIndex node, const produce::Job& job);
+  std::size_t room_for_tiles(Eviction eviction) const;
+  std::size_t room_for_bricks(Eviction eviction) const;
+  std::vector<std::uint32_t> make_room_for_tiles(std::size_t wanted, Eviction eviction);
+  std::vector<std::uint32_t> make_room_for_bricks(std::size_t wanted, Eviction eviction);
+  void fill_tile(TileIndex tile, const produce::Produced& made);
+
+  const produce::Producer& producer_;
+  tree::NodePool nodes_;
+  brick::BrickPool bricks_;
+  cache::RequestMarks marks_;
+  scene::TransferView function_;
+  std::unordered_map<NodeKey, TileIndex, NodeKeyHash> tile_of_;    // canonical parent -> its children's tile
+  std::unordered_map<NodeKey, BrickIndex, NodeKeyHash> brick_of_;  // canonical node -> its brick
+  std::vector<bool> tile_occupied_;
+  std::vector<BrickOwner> brick_owner_;
+  // Who asked for a job in the last collect; with shared sub-trees there may be many.
+  std::unordered_map<produce::Job, std::vector<NodeIndex>, produce::JobHash> askers_;
+  std::uint32_t unused_tiles_ = 0, unused_bricks_ = 0;  // at the front of the usage lists
+  std::uint64_t requested_ = 0;
+  std::uint64_t bricks_evicted_ = 0;
+};
+
+}  // namespace gvx::engine

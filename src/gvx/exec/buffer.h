@@ -1,0 +1,75 @@
+/// \file
+/// Buffer<T> owns an array that a device works on; BufferView<T> is what kernels take. On CUDA the memory is
+/// managed: after Device::synchronize() the host reads and writes it through the same view.
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+#include <new>
+#include <type_traits>
+#include <utility>
+
+#include "gvx/core/macros.h"
+#include "gvx/exec/cuda_support.h"
+#include "gvx/exec/device.h"
+
+namespace gvx::exec {
+
+/// A pointer and a length, trivially copyable into kernels. Indexing is unchecked.
+template <typename T>
+struct BufferView {
+  T* data = nullptr;
+  std::size_t size = 0;
+
+  GVX_HD T& operator[](std::size_t i) const { return data[i]; }
+  GVX_HD T* begin() const { return data; }
+  GVX_HD T* end() const { return data + size; }
+  GVX_HD operator BufferView<const T>() const { return {data, size}; }
+};
+
+/// Owns `size` trivially copyable elements on a device, zeroed; moves, never copies.
+template <typename T>
+class Buffer {
+  static_assert(std::is_trivially_copyable_v<T>);
+
+ public:
+  Buffer() = default;
+  Buffer(const Device& device, std::size_t size) : kind_(device.kind()), size_(size) {
+    if (size == 0) return;
+    const std::size_t bytes = size * sizeof(T);
+    // calloc leaves pages untouched until they are used: a pool costs what is resident in it.
+    void* memory = kind_ == DeviceKind::cuda ? cuda_support::allocate_shared(bytes) : std::calloc(size, sizeof(T));
+    if (memory == nullptr) throw std::bad_alloc();
+    if (kind_ == DeviceKind::cuda) std::memset(memory, 0, bytes);
+    data_ = static_cast<T*>(memory);
+  }
+  Buffer(Buffer&& other) noexcept { swap(other); }
+  Buffer& operator=(Buffer&& other) noexcept {
+    Buffer(std::move(other)).swap(*this);
+    return *this;
+  }
+  ~Buffer() {
+    if (kind_ == DeviceKind::cuda) {
+      cuda_support::free_shared(data_);
+    } else {
+      std::free(data_);
+    }
+  }
+
+  std::size_t size() const { return size_; }
+  BufferView<T> view() { return {data_, size_}; }
+  BufferView<const T> view() const { return {data_, size_}; }
+
+ private:
+  void swap(Buffer& other) noexcept {
+    std::swap(kind_, other.kind_);
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
+  }
+
+  DeviceKind kind_ = DeviceKind::cpu;
+  T* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+}  // namespace gvx::exec

@@ -1,0 +1,118 @@
+/// \file
+/// for_each: the one way to launch a kernel. A kernel is a functor over views; its name appears in errors. Include
+/// this from device sources only: compiled as C++ it knows the CPU, compiled as CUDA both devices.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "gvx/exec/buffer.h"
+#include "gvx/exec/device.h"
+
+#if defined(__CUDACC__)
+#include <cuda_runtime.h>
+#endif
+
+namespace gvx::exec {
+
+/// When work that can be cut short must stop; no_deadline() never comes.
+using Deadline = std::chrono::steady_clock::time_point;
+inline Deadline no_deadline() { return Deadline::max(); }
+
+/// An image and the square tiles that it is worked on in; tiles at the right and lower edge may be cut.
+struct TileGrid {
+  std::uint32_t width = 0, height = 0;
+  std::uint32_t tile = 16;
+
+  GVX_HD std::uint32_t tiles_x() const { return (width + tile - 1) / tile; }
+  GVX_HD std::uint32_t tiles_y() const { return (height + tile - 1) / tile; }
+  GVX_HD std::uint32_t tiles() const { return tiles_x() * tiles_y(); }
+  /// The tile that holds a pixel.
+  GVX_HD std::uint32_t tile_of(std::uint32_t x, std::uint32_t y) const { return y / tile * tiles_x() + x / tile; }
+};
+
+#if defined(__CUDACC__)
+namespace detail {
+
+template <typename Functor>
+__global__ void count_kernel(std::size_t count, Functor functor) {
+  const std::size_t i = blockIdx.x * std::size_t(blockDim.x) + threadIdx.x;
+  if (i < count) functor(i);
+}
+
+template <typename Functor>
+__global__ void tile_kernel(TileGrid grid, const std::uint32_t* tiles, Functor functor) {
+  const std::uint32_t tile_x = tiles[blockIdx.x] % grid.tiles_x(), tile_y = tiles[blockIdx.x] / grid.tiles_x();
+  for (std::uint32_t i = threadIdx.x; i < grid.tile * grid.tile; i += blockDim.x) {
+    const std::uint32_t x = tile_x * grid.tile + i % grid.tile, y = tile_y * grid.tile + i / grid.tile;
+    if (x < grid.width && y < grid.height) functor(x, y);
+  }
+}
+
+}  // namespace detail
+#endif
+
+/// Calls functor(i) for every i below `count`, in any order, and waits.
+template <typename Functor>
+void for_each(const Device& device, [[maybe_unused]] const char* name, std::size_t count, Functor functor) {
+  if (count == 0) return;
+#if defined(__CUDACC__)
+  if (device.kind() == DeviceKind::cuda) {
+    const auto blocks = static_cast<unsigned>((count + 255) / 256);
+    detail::count_kernel<<<blocks, 256>>>(count, functor);
+    cuda_support::synchronize(name);
+    return;
+  }
+#endif
+  device.arena().execute([&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                        for (std::size_t i = range.begin(); i != range.end(); ++i) functor(i);
+                      });
+  });
+}
+
+/// Calls functor(x, y) for every pixel of the listed tiles, a tile at a time (on CUDA a thread block a tile), and waits.
+/// Tiles that have not begun at the deadline are left out; returns whether all were done.
+template <typename Functor>
+bool for_each_pixel(const Device& device, [[maybe_unused]] const char* name, TileGrid grid,
+                    BufferView<const std::uint32_t> tiles, Deadline deadline, Functor functor) {
+  const auto late = [deadline] { return std::chrono::steady_clock::now() >= deadline; };
+#if defined(__CUDACC__)
+  if (device.kind() == DeviceKind::cuda) {
+    // A band of tiles is the unit that a deadline can stop between; without one all are launched at once.
+    const std::size_t band = deadline == no_deadline() ? tiles.size : 512;
+    for (std::size_t first = 0; first < tiles.size; first += band) {
+      if (late()) return false;
+      const std::size_t count = band < tiles.size - first ? band : tiles.size - first;
+      detail::tile_kernel<<<static_cast<unsigned>(count), 256>>>(grid, tiles.data + first, functor);
+      cuda_support::synchronize(name);
+    }
+    return true;
+  }
+#endif
+  std::atomic<bool> all_done{true};
+  device.arena().execute([&] {
+    tbb::parallel_for(std::size_t(0), tiles.size, [&](std::size_t t) {
+      if (late()) {
+        all_done.store(false, std::memory_order_relaxed);
+        return;
+      }
+      const std::uint32_t x0 = tiles[t] % grid.tiles_x() * grid.tile, y0 = tiles[t] / grid.tiles_x() * grid.tile;
+      const std::uint32_t x1 = x0 + grid.tile < grid.width ? x0 + grid.tile : grid.width;
+      const std::uint32_t y1 = y0 + grid.tile < grid.height ? y0 + grid.tile : grid.height;
+      for (std::uint32_t y = y0; y < y1; ++y) {
+        for (std::uint32_t x = x0; x < x1; ++x) functor(x, y);
+      }
+    });
+  });
+  return all_done.load();
+}
+
+}  // namespace gvx::exec

@@ -1,0 +1,185 @@
+#include "gvx/io/nifti.h"
+
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "gvx/io/volume_test_support.h"
+
+namespace gvx::io::test {
+namespace {
+
+constexpr int kGzip = 15 + 16;
+
+const std::map<SampleType, std::int16_t> kDatatypes = {
+    {SampleType::u8, 2},    {SampleType::i8, 256}, {SampleType::u16, 512}, {SampleType::i16, 4},
+    {SampleType::u32, 768}, {SampleType::i32, 8},  {SampleType::f32, 16},  {SampleType::f64, 64}};
+
+/// A header that tests change by byte offset.
+struct Header {
+  explicit Header(SampleType type, bool big = false) : big_endian(big) {
+    set<std::int32_t>(0, 348);
+    set_shorts(40, {3, 4, 3, 2, 1, 1, 1, 1});
+    set<std::int16_t>(70, kDatatypes.at(type));
+    set<std::int16_t>(72, static_cast<std::int16_t>(8 * sample_bytes(type)));
+    for (std::size_t i = 0; i < 4; ++i) set<float>(76 + 4 * i, 1.0f);
+    set<float>(108, 352.0f);
+    bytes.replace(344, 4, std::string("n+1\0", 4));
+  }
+
+  template <typename T>
+  Header& set(std::size_t offset, T value) {
+    bytes_of(value, big_endian).copy(bytes.data() + offset, sizeof value);
+    return *this;
+  }
+  Header& set_shorts(std::size_t offset, std::initializer_list<int> values) {
+    for (const int value : values) {
+      set<std::int16_t>(offset, static_cast<std::int16_t>(value));
+      offset += 2;
+    }
+    return *this;
+  }
+  Header& set_floats(std::size_t offset, std::initializer_list<double> values) {
+    for (const double value : values) {
+      set<float>(offset, static_cast<float>(value));
+      offset += 4;
+    }
+    return *this;
+  }
+
+  bool big_endian;
+  std::string bytes = std::string(352, '\0');
+};
+
+Result<VolumeDescription> described(const Header& header) {
+  const std::string path = temporary_path("described.nii");
+  write_file(path, header.bytes + small_samples(SampleType::u8, false));
+  return describe(path);
+}
+
+TEST(Nifti, EverySampleTypeInBothByteOrdersPlainAndPacked) {
+  for (const SampleType type : kAllSampleTypes) {
+    for (const bool big_endian : {false, true}) {
+      const std::string bytes = Header(type, big_endian).bytes + small_samples(type, big_endian);
+      write_file(temporary_path("types.nii"), bytes);
+      write_file(temporary_path("types.nii.gz"), deflated(bytes, kGzip));
+      for (const char* name : {"types.nii", "types.nii.gz"}) {
+        const auto samples = load(temporary_path(name));
+        ASSERT_TRUE(samples.ok()) << outcome(samples);
+        EXPECT_EQ(samples.value(), native_small_samples(type)) << name << sample_name(type);
+      }
+    }
+  }
+}
+
+TEST(Nifti, PairsByEitherName) {
+  Header header(SampleType::u8);
+  header.bytes.replace(344, 4, std::string("ni1\0", 4));
+  header.set<float>(108, 0.0f).set_floats(80, {1, 2, 3});
+  const std::string data = small_samples(SampleType::u8, false);
+  write_file(temporary_path("pair.hdr"), header.bytes.substr(0, 348));
+  write_file(temporary_path("pair.img"), data);
+  write_file(temporary_path("packed.hdr"), header.bytes.substr(0, 348));
+  write_file(temporary_path("packed.img.gz"), deflated(data, kGzip));
+  header.bytes.replace(344, 4, std::string(4, '\0'));
+  write_file(temporary_path("analyze.hdr"), header.bytes.substr(0, 348));
+  write_file(temporary_path("analyze.img"), data);
+  for (const char* name :
+       {"pair.hdr", "pair.img", "packed.hdr", "packed.img.gz", "analyze.hdr", "analyze.img"}) {
+    const auto samples = load(temporary_path(name));
+    ASSERT_TRUE(samples.ok()) << outcome(samples);
+    EXPECT_EQ(samples.value(), data) << name;
+    EXPECT_EQ(describe(temporary_path(name)).value().voxel_to_world, scaling({1, 2, 3})) << name;
+  }
+  write_file(temporary_path("lonely.img"), data);
+  EXPECT_NE(outcome(load(temporary_path("lonely.img"))).find("lonely.hdr: cannot open"), std::string::npos);
+}
+
+TEST(Nifti, ScaleSlope) {
+  Header header(SampleType::u8);
+  header.set<float>(112, 2.5f).set<float>(116, -7.0f);
+  EXPECT_EQ(described(header).value().scale, 2.5);
+  EXPECT_EQ(described(header).value().offset, -7);
+  for (const float none : {0.0f, std::numeric_limits<float>::quiet_NaN()}) {
+    header.set<float>(112, none);
+    EXPECT_EQ(described(header).value().scale, 1);
+    EXPECT_EQ(described(header).value().offset, 0);
+  }
+}
+
+TEST(Nifti, SformThenQformThenPixdim) {
+  Header header(SampleType::u8);
+  header.set_floats(80, {2, 3, 4});
+  EXPECT_EQ(described(header).value().voxel_to_world, scaling({2, 3, 4}));
+  EXPECT_FALSE(described(header).value().anatomical);
+
+  // A quarter turn about z: i runs along +y, j along -x.
+  const double half = std::sqrt(0.5);
+  header.set_shorts(252, {1, 0}).set_floats(256, {0, 0, half, 10, 20, 30});
+  const auto turned = described(header);
+  ASSERT_TRUE(turned.ok()) << outcome(turned);
+  EXPECT_TRUE(turned.value().anatomical);
+  EXPECT_NEAR(length(turned.value().voxel_to_world.point({0.5, 0.5, 0.5}) - Vec3d(10, 20, 30)), 0, 1e-6);
+  EXPECT_NEAR(length(turned.value().voxel_to_world.column[0] - Vec3d(0, 2, 0)), 0, 1e-6);
+  EXPECT_NEAR(length(turned.value().voxel_to_world.column[1] - Vec3d(-3, 0, 0)), 0, 1e-6);
+  EXPECT_NEAR(length(turned.value().voxel_to_world.column[2] - Vec3d(0, 0, 4)), 0, 1e-6);
+  header.set<float>(76, -1.0f);
+  EXPECT_NEAR(length(described(header).value().voxel_to_world.column[2] - Vec3d(0, 0, -4)), 0, 1e-6);
+
+  header.set_shorts(254, {1}).set_floats(280, {-2, 0, 0, 5, 0, 2, 0, 6, 0, 0.5, 2, 7});
+  const auto sheared = described(header);
+  ASSERT_TRUE(sheared.ok()) << outcome(sheared);
+  EXPECT_EQ(sheared.value().voxel_to_world.point({0.5, 0.5, 0.5}), Vec3d(5, 6, 7));
+  EXPECT_EQ(sheared.value().voxel_to_world.point({1.5, 1.5, 1.5}), Vec3d(3, 8, 9.5));
+
+  header.bytes[123] = 3;  // micrometres
+  EXPECT_NEAR(
+      length(described(header).value().voxel_to_world.point({0.5, 0.5, 0.5}) - Vec3d(5e-3, 6e-3, 7e-3)), 0,
+      1e-9);
+}
+
+TEST(Nifti, UnusableMatricesFallBack) {
+  Header header(SampleType::u8);
+  const double nan = std::nan("");
+  header.set_floats(80, {0, -3, nan}).set_shorts(252, {1, 1});
+  header.set_floats(256, {nan, 0, 0, 0, 0, 0}).set_floats(280, {1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0});
+  const auto description = described(header);
+  ASSERT_TRUE(description.ok()) << outcome(description);
+  EXPECT_EQ(description.value().voxel_to_world, scaling({1, 3, 1}));
+  EXPECT_FALSE(description.value().anatomical);
+}
+
+TEST(Nifti, ErrorsNameTheField) {
+  const auto expect_error = [](const Header& header, const std::string& part) {
+    const std::string message = outcome(described(header));
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  const Header good(SampleType::u8);
+  EXPECT_EQ(outcome(described(good)), "ok");
+  expect_error(Header(good).set<std::int32_t>(0, 540), "found NIfTI-2");
+  expect_error(Header(good).set<std::int32_t>(0, 7), "sizeof_hdr: expected 348, found 7");
+  expect_error(Header(good).set_shorts(40, {8}), "dim[0]: expected");
+  expect_error(Header(good).set_shorts(40, {1}), "dim[0]: expected");
+  expect_error(Header(good).set_shorts(42, {-4}), "dim[1]: expected 1 or more, found -4");
+  expect_error(Header(good).set_shorts(40, {4, 4, 3, 2, 5}), "found 5 volumes");
+  expect_error(Header(good).set_shorts(40, {5, 4, 3, 2, 3, 3}), "found 9 volumes");
+  expect_error(Header(good).set_shorts(70, {128}), "(colours)");
+  expect_error(Header(good).set_shorts(70, {32}), "(complex numbers)");
+  expect_error(Header(good).set_shorts(70, {1024}), "64-bit integers");
+  expect_error(Header(good).set_shorts(70, {12345}), "found code 12345");
+  expect_error(Header(good).set<std::int32_t>(344, 0), "magic: expected");
+  expect_error(Header(good).set_floats(108, {351}), "vox_offset: expected");
+  expect_error(Header(good).set_floats(108, {352.5}), "vox_offset: expected");
+  expect_error(Header(good).set_floats(108, {std::nan("")}), "vox_offset: expected");
+  expect_error(Header(good).set_floats(108, {1e12}), "size: expected");
+  expect_error(Header(good).set_floats(112, {1, std::nan("")}), "scl_inter: expected");
+  expect_error(Header(good).set_shorts(42, {32767, 32767, 32767}), "size: expected");
+  EXPECT_EQ(described(Header(good).set_shorts(40, {4, 4, 3, 2, 1})).value().dimensions, kSmallDimensions);
+  EXPECT_EQ(described(Header(good).set_shorts(40, {2, 4, 3, 99})).value().dimensions, Vec3i(4, 3, 1));
+  EXPECT_TRUE(described(Header(good).set_floats(108, {0})).ok());
+}
+
+}  // namespace
+}  // namespace gvx::io::test

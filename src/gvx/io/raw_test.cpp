@@ -1,0 +1,187 @@
+#include "gvx/io/raw.h"
+
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "gvx/io/volume_test_support.h"
+
+namespace gvx::io::test {
+namespace {
+
+constexpr int kGzip = 15 + 16;
+
+TEST(RawVolume, EverySampleTypeInBothByteOrders) {
+  for (const SampleType type : kAllSampleTypes) {
+    for (const bool big_endian : {false, true}) {
+      const std::string path =
+          temporary_path(std::string("v_4x3x2_") + sample_name(type) + (big_endian ? "_be" : "") + ".raw");
+      write_file(path, small_samples(type, big_endian));
+      const auto samples = load(path);
+      ASSERT_TRUE(samples.ok()) << outcome(samples);
+      EXPECT_EQ(samples.value(), native_small_samples(type)) << path;
+    }
+  }
+}
+
+TEST(RawVolume, SlicesComeInAnyGroupingAndAgainAfterRewind) {
+  const std::string path = temporary_path("v_4x3x2_u16.raw");
+  write_file(path, small_samples(SampleType::u16, false));
+  const auto reader = open_volume(path, {});
+  ASSERT_TRUE(reader.ok()) << outcome(reader);
+  for (const std::int64_t step : {1, 2}) {
+    const auto samples = read_all(*reader.value(), step);
+    ASSERT_TRUE(samples.ok()) << outcome(samples);
+    EXPECT_EQ(samples.value(), native_small_samples(SampleType::u16));
+    EXPECT_EQ(reader.value()->bytes_consumed(), 48u);
+    EXPECT_EQ(reader.value()->next_slice(), 2);
+    ASSERT_TRUE(reader.value()->rewind().ok());
+  }
+}
+
+TEST(RawVolume, OptionsWinOverTheName) {
+  const std::string path = temporary_path("v_9x9x9_f64_be.dat");
+  write_file(path, "skip" + small_samples(SampleType::i16, false));
+  RawOptions options{kSmallDimensions, SampleType::i16, false, 4, Vec3d(1, 2, 3)};
+  const auto samples = load(path, options);
+  ASSERT_TRUE(samples.ok()) << outcome(samples);
+  EXPECT_EQ(samples.value(), native_small_samples(SampleType::i16));
+  const auto description = describe(path, options);
+  EXPECT_EQ(description.value().voxel_to_world, scaling({1, 2, 3}));
+  EXPECT_FALSE(description.value().anatomical);
+}
+
+TEST(RawVolume, AnyNameWithDimensions) {
+  const std::string path = temporary_path("volume.weird");
+  write_file(path, small_samples(SampleType::u8, false));
+  EXPECT_TRUE(load(path, {.dimensions = kSmallDimensions, .type = SampleType::u8}).ok());
+  EXPECT_NE(outcome(load(path)).find("name: expected"), std::string::npos);
+}
+
+TEST(RawVolume, PackedFilesAndConcatenatedMembers) {
+  const std::string plain = small_samples(SampleType::i16, true);
+  const std::string first = plain.substr(0, 13), second = plain.substr(13);
+  const std::string gz = temporary_path("v_4x3x2_i16_be.raw.gz"),
+                    bz2 = temporary_path("v_4x3x2_i16_be.raw.bz2");
+  write_file(gz, deflated(first, kGzip) + deflated(second, kGzip) + std::string(100, '\0'));
+  write_file(bz2, bzipped(first) + bzipped(second) + "padding");
+  for (const std::string& path : {gz, bz2}) {
+    const auto reader = open_volume(path, {});
+    ASSERT_TRUE(reader.ok()) << outcome(reader);
+    for (int pass = 0; pass < 2; ++pass) {
+      const auto samples = read_all(*reader.value());
+      ASSERT_TRUE(samples.ok()) << outcome(samples);
+      EXPECT_EQ(samples.value(), native_small_samples(SampleType::i16)) << path;
+      EXPECT_TRUE(reader.value()->rewind().ok());
+    }
+  }
+}
+
+TEST(RawVolume, ABrokenChecksumIsAnError) {
+  const std::string path = temporary_path("checksum_4x3x2_u8.raw.gz");
+  std::string packed = deflated(small_samples(SampleType::u8, false), kGzip);
+  packed[packed.size() - 8] = static_cast<char>(packed[packed.size() - 8] ^ 1);
+  write_file(path, packed);
+  EXPECT_NE(outcome(load(path)).find("broken gzip"), std::string::npos) << outcome(load(path));
+}
+
+TEST(RawVolume, TheSizeIsCheckedBeforeReading) {
+  const std::string path = temporary_path("size_4x3x2_u16.raw");
+  write_file(path, std::string(47, 'a'));
+  EXPECT_EQ(outcome(describe(path)), path + ": size: expected 48 bytes of data, found 47");
+  write_file(path, std::string(49, 'a'));
+  EXPECT_EQ(outcome(describe(path)), path + ": size: expected 48 bytes of data, found 49");
+  EXPECT_TRUE(describe(path, {.offset = 1}).ok());
+  write_file(path, std::string(60, 'a'));
+  EXPECT_TRUE(describe(path, {.offset = 1}).ok());
+  EXPECT_FALSE(describe(path, {.offset = 13}).ok());
+  EXPECT_FALSE(describe(path, {.offset = -1}).ok());
+  EXPECT_FALSE(describe(path, {.offset = std::numeric_limits<std::int64_t>::max()}).ok());
+}
+
+TEST(RawVolume, ImpossibleDimensionsAndSpacings) {
+  const std::string path = temporary_path("impossible.raw");
+  write_file(path, "x");
+  constexpr std::int64_t kLongest = 2147483647;
+  const auto with = [&](Vec3i dimensions) {
+    return outcome(describe(path, {.dimensions = dimensions, .type = SampleType::f64}));
+  };
+  EXPECT_NE(with({0, 1, 1}).find("found 0"), std::string::npos);
+  EXPECT_NE(with({-4, 3, -2}).find("found -4"), std::string::npos);
+  EXPECT_NE(with({1, 1, kLongest + 1}).find("expected 1 to 2147483647"), std::string::npos);
+  EXPECT_NE(with({kLongest, kLongest, kLongest}).find("2^62"), std::string::npos);
+  EXPECT_NE(with({1 << 20, 1 << 20, 1 << 19}).find("2^62"), std::string::npos);
+  EXPECT_NE(with({1 << 20, 1 << 20, 1 << 18}).find("size: expected"), std::string::npos);
+  for (const double bad : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    const RawOptions options{
+        .dimensions = Vec3i(1, 1, 1), .type = SampleType::u8, .spacing = Vec3d(1, bad, 1)};
+    EXPECT_NE(outcome(describe(path, options)).find("spacing: expected"), std::string::npos);
+  }
+}
+
+TEST(RawVolume, MissingHintsFilesAndFolders) {
+  const std::string path = temporary_path("nothing.raw");
+  write_file(path, "x");
+  EXPECT_NE(outcome(describe(path)).find("dimensions: expected"), std::string::npos);
+  EXPECT_NE(outcome(describe(path, {.dimensions = Vec3i(1, 1, 1)})).find("type: expected"),
+            std::string::npos);
+  EXPECT_NE(outcome(describe(temporary_path("missing_1x1x1_u8.raw"))).find("cannot open"), std::string::npos);
+  const RawOptions one{.dimensions = Vec3i(1, 1, 1), .type = SampleType::u8};
+  EXPECT_NE(outcome(describe(temporary_path(""), one)).find("is a folder"), std::string::npos);
+}
+
+TEST(RawVolume, APipeIsReadOnceAndCannotRewind) {
+  const std::string path = temporary_path("pipe");
+  std::filesystem::remove(path);
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  for (const bool whole : {true, false}) {
+    const std::string bytes = small_samples(SampleType::u16, false).substr(0, whole ? 48 : 31);
+    std::thread writer([&] { write_file(path, bytes); });
+    const auto reader = open_volume(path, {.dimensions = kSmallDimensions, .type = SampleType::u16});
+    const auto samples = reader.ok() ? read_all(*reader.value()) : Error(reader.error());
+    writer.join();
+    ASSERT_TRUE(reader.ok()) << outcome(reader);
+    EXPECT_EQ(outcome(samples), whole ? "ok" : path + ": data end after 31 of 48 bytes");
+    EXPECT_FALSE(reader.value()->rewind().ok());
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(RawVolume, StandardInput) {
+  const std::string path = temporary_path("input");
+  write_file(path, "skip" + small_samples(SampleType::u16, true));
+  const int kept = dup(STDIN_FILENO);
+  const int input = open(path.c_str(), O_RDONLY);
+  ASSERT_GE(input, 0);
+  ASSERT_EQ(dup2(input, STDIN_FILENO), STDIN_FILENO);
+  const auto samples =
+      load("-", {.dimensions = kSmallDimensions, .type = SampleType::u16, .big_endian = true, .offset = 4});
+  const auto without_type = describe("-", {.dimensions = kSmallDimensions});
+  close(input);
+  if (kept >= 0) {
+    dup2(kept, STDIN_FILENO);
+    close(kept);
+  }
+  ASSERT_TRUE(samples.ok()) << outcome(samples);
+  EXPECT_EQ(samples.value(), native_small_samples(SampleType::u16));
+  EXPECT_NE(outcome(without_type).find("type: expected"), std::string::npos);
+}
+
+TEST(SampleTypes, CommonSpellings) {
+  EXPECT_EQ(parse_sample_type("Unsigned  Char"), SampleType::u8);
+  EXPECT_EQ(parse_sample_type("uint8_t"), SampleType::u8);
+  EXPECT_EQ(parse_sample_type("short"), SampleType::i16);
+  EXPECT_EQ(parse_sample_type("FLOAT32"), SampleType::f32);
+  EXPECT_EQ(parse_sample_type("double"), SampleType::f64);
+  EXPECT_EQ(parse_sample_type("int64"), std::nullopt);
+  EXPECT_EQ(parse_sample_type(""), std::nullopt);
+  for (const SampleType type : kAllSampleTypes) EXPECT_EQ(parse_sample_type(sample_name(type)), type);
+}
+
+}  // namespace
+}  // namespace gvx::io::test

@@ -1,0 +1,44 @@
+/// \file
+/// build_store: another program's volume file into a .gvx store, in bounded memory and one pass, or two where the values
+/// must be known before they can be converted.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "gvx/core/result.h"
+#include "gvx/core/voxel.h"
+#include "gvx/exec/device.h"
+#include "gvx/io/volume_reader.h"
+#include "gvx/store/format.h"
+
+namespace gvx::io {
+
+struct StoreBuildOptions {
+  std::uint32_t n = 2;   ///< children along an axis of a node: 2 or 3
+  std::uint32_t m = 16;  ///< voxels along an axis of a brick: 8, 16 or 32
+  store::Codec codec = store::Codec::zstd;
+  /// Of the voxels; if not given the narrowest that keeps every value of 8 or 16 bits, and f32 for the wider ones.
+  std::optional<VoxelType> type;
+  std::uint64_t memory_bytes = 1ull << 30;  ///< bound of what the build holds at once
+};
+
+struct StoreBuildReport {
+  std::uint64_t bytes_written = 0;
+  /// Samples that were no finite number, and were stored as 0.
+  std::uint64_t not_finite = 0;
+  /// Integers wider than 24 bits or doubles lose digits as f32.
+  bool rounded = false;
+};
+
+/// Called with what is done of all the work, in bytes of samples, from one thread.
+using BuildProgress = std::function<void(std::uint64_t done, std::uint64_t all)>;
+
+/// Reads all slices of `reader`, which stands at its first, and writes the store to `path`, replacing what is there. On
+/// failure, and until all is written, `path` is as it was.
+Result<StoreBuildReport> build_store(const exec::Device& cpu, VolumeReader& reader, const std::string& path,
+                                     const StoreBuildOptions& options, const BuildProgress& progress);
+
+}  // namespace gvx::io

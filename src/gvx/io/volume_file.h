@@ -1,0 +1,69 @@
+/// \file
+/// What the header of a volume file says: the volume's shape, numbers and place (VolumeDescription), and
+/// where and how its samples are stored (VolumeFile). Every format's parser returns a VolumeFile;
+/// VolumeReader reads any of them.
+///
+///     data file:  | file_offset bytes | line_skip lines | encoded samples ...
+///     decoded:                                          | byte_skip bytes | x fastest, then y, then z |
+///     ignored
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "gvx/core/affine.h"
+#include "gvx/core/result.h"
+#include "gvx/core/vec.h"
+#include "gvx/io/byte_stream.h"
+#include "gvx/io/sample_type.h"
+
+namespace gvx::io {
+
+/// A volume as its file states it. Voxel (i, j, k) covers the unit cube [i, i+1) x [j, j+1) x [k, k+1) of
+/// voxel space, so its centre is at (i+0.5, j+0.5, k+0.5).
+struct VolumeDescription {
+  std::string path;  ///< The file that was asked for; messages name it.
+  Vec3i dimensions;  ///< Voxels along x, y and z, each from 1 to 2^31-1.
+  SampleType type = SampleType::u8;
+  bool big_endian = false;  ///< In the file; readers hand out native byte order.
+  Affine3 voxel_to_world;   ///< From voxel space to world space, in the file's units unless anatomical.
+  bool anatomical =
+      false;         ///< World space is a patient: x to the right, y to the front, z up, in millimetres.
+  double scale = 1;  ///< Physical value = scale * stored sample + offset.
+  double offset = 0;
+};
+
+/// As VolumeFile::byte_skip: the samples are the last of the decoded bytes.
+inline constexpr std::int64_t kSamplesAtEnd = -1;
+
+/// A volume and where its samples are.
+struct VolumeFile {
+  VolumeDescription description;
+  std::string data_path;  ///< "-" is standard input.
+  Encoding encoding = Encoding::raw;
+  StreamStart start;
+  std::int64_t byte_skip = 0;  ///< Decoded bytes before the first sample, or kSamplesAtEnd.
+  bool exact_size = false;  ///< Bytes behind the last sample are an error where the file's size shows them.
+};
+
+/// The bytes of one z-slice; the description must have passed check_description().
+std::uint64_t slice_bytes(const VolumeDescription& description);
+
+/// The bytes of all samples; the description must have passed check_description().
+std::uint64_t volume_bytes(const VolumeDescription& description);
+
+/// Fails unless every dimension is 1 to 2^31-1, all samples together are less than 2^62 bytes, voxel_to_world
+/// has an inverse, and scale and offset are finite, scale not zero.
+Status check_description(const VolumeDescription& description);
+
+/// The same map with voxel (0, 0, 0)'s centre where `index_to_world` puts index (0, 0, 0): most formats'
+/// matrices take indices to centres.
+Affine3 from_index_to_centre(const Affine3& index_to_world);
+
+/// Changes the lengths of the columns to `spacing`; voxel (0, 0, 0)'s centre stays.
+Affine3 with_spacing(const Affine3& voxel_to_world, Vec3d spacing);
+
+/// Multiplies the world's axes by the factors: flips axes, changes units.
+Affine3 with_world_scaled(const Affine3& voxel_to_world, Vec3d factors);
+
+}  // namespace gvx::io

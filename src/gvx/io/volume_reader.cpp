@@ -1,0 +1,193 @@
+#include "gvx/io/volume_reader.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "gvx/io/header_text.h"
+#include "gvx/io/metaimage.h"
+#include "gvx/io/nifti.h"
+#include "gvx/io/nrrd.h"
+
+namespace gvx::io {
+namespace {
+
+constexpr bool kNativeBigEndian = std::endian::native == std::endian::big;
+
+std::uint16_t byte_swapped(std::uint16_t v) {
+  return __builtin_bswap16(v);
+}
+std::uint32_t byte_swapped(std::uint32_t v) {
+  return __builtin_bswap32(v);
+}
+std::uint64_t byte_swapped(std::uint64_t v) {
+  return __builtin_bswap64(v);
+}
+
+template <typename Word>
+void swap_words(std::span<std::byte> samples) {
+  for (std::size_t at = 0; at < samples.size(); at += sizeof(Word)) {
+    Word word;
+    std::memcpy(&word, samples.data() + at, sizeof word);
+    word = byte_swapped(word);
+    std::memcpy(samples.data() + at, &word, sizeof word);
+  }
+}
+
+void swap_samples(SampleType type, std::span<std::byte> samples) {
+  switch (sample_bytes(type)) {
+    case 2:
+      return swap_words<std::uint16_t>(samples);
+    case 4:
+      return swap_words<std::uint32_t>(samples);
+    case 8:
+      return swap_words<std::uint64_t>(samples);
+    default:
+      return;
+  }
+}
+
+Result<std::uint64_t> count_bytes_and_rewind(ByteStream& stream) {
+  constexpr std::uint64_t kStep = std::uint64_t{1} << 30;
+  std::uint64_t count = 0;
+  for (;;) {
+    GVX_ASSIGN(const std::uint64_t step, stream.skip(kStep));
+    count += step;
+    if (step < kStep) break;
+  }
+  GVX_TRY(stream.rewind());
+  return count;
+}
+
+using Parser = Result<VolumeFile> (*)(const std::string& path);
+
+Parser parser_for(const std::string& path) {
+  const std::string name = lower_case(path);
+  for (const char* extension : {".nrrd", ".nhdr"}) {
+    if (name.ends_with(extension)) return parse_nrrd;
+  }
+  for (const char* extension : {".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"}) {
+    if (name.ends_with(extension)) return parse_nifti;
+  }
+  for (const char* extension : {".mha", ".mhd"}) {
+    if (name.ends_with(extension)) return parse_metaimage;
+  }
+  return nullptr;
+}
+
+bool is_raw_name(const std::string& path) {
+  std::string name = lower_case(path);
+  for (const char* packed : {".gz", ".bz2"}) {
+    if (name.ends_with(packed)) name.resize(name.size() - std::strlen(packed));
+  }
+  return name.ends_with(".raw") || name.ends_with(".bin") || name.ends_with(".dat");
+}
+
+Result<VolumeFile> describe(const std::string& path, const RawOptions& raw) {
+  const Parser parse = parser_for(path);
+  if (parse == nullptr) {
+    if (path == "-" || is_raw_name(path) || raw.dimensions) return describe_raw(path, raw);
+    return file_error(
+        path,
+        "name: expected .nrrd, .nhdr, .nii, .nii.gz, .hdr, .img, .mha, .mhd, .raw, .bin or .dat, or "
+        "dimensions for raw samples");
+  }
+  if (raw.dimensions || raw.type || raw.big_endian || raw.offset != 0) {
+    return file_error(path,
+                      "describes itself: dimensions, type, byte order and offset are for raw files only");
+  }
+  GVX_ASSIGN(VolumeFile file, parse(path));
+  GVX_TRY(check_description(file.description));
+  if (raw.spacing) {
+    GVX_TRY(check_spacing(path, *raw.spacing));
+    file.description.voxel_to_world = with_spacing(file.description.voxel_to_world, *raw.spacing);
+  }
+  return file;
+}
+
+}  // namespace
+
+VolumeReader::VolumeReader(VolumeFile file, std::unique_ptr<ByteStream> stream)
+    : file_(std::move(file)), stream_(std::move(stream)) {}
+
+Result<std::unique_ptr<VolumeReader>> VolumeReader::open(VolumeFile file) {
+  GVX_TRY(check_description(file.description));
+  auto stream = open_byte_stream(file.data_path, file.encoding, file.start, file.description.type);
+  if (!stream.ok()) {
+    const bool detached = file.data_path != file.description.path;
+    return detached ? file_error(file.description.path, "data file " + stream.error().message)
+                    : stream.error();
+  }
+  std::unique_ptr<VolumeReader> reader(new VolumeReader(std::move(file), std::move(stream).value()));
+  GVX_TRY(reader->find_first_sample());
+  GVX_TRY(reader->check_size());
+  GVX_TRY(reader->skip_to_first_sample());
+  return reader;
+}
+
+Error VolumeReader::data_end_early(std::uint64_t bytes_there) const {
+  return file_error(stream_->name(), "data end after " + std::to_string(bytes_there) + " of " +
+                                         std::to_string(volume_bytes(description())) + " bytes");
+}
+
+Status VolumeReader::find_first_sample() {
+  if (file_.byte_skip != kSamplesAtEnd) {
+    first_sample_ = static_cast<std::uint64_t>(file_.byte_skip);
+    return {};
+  }
+  std::optional<std::uint64_t> there = stream_->bytes_left();
+  if (!there) {
+    GVX_ASSIGN(there, count_bytes_and_rewind(*stream_));
+  }
+  if (*there < volume_bytes(description())) return data_end_early(*there);
+  first_sample_ = *there - volume_bytes(description());
+  return {};
+}
+
+Status VolumeReader::check_size() const {
+  const std::optional<std::uint64_t> there = stream_->bytes_left();
+  if (!there) return {};
+  const std::uint64_t expected = first_sample_ + volume_bytes(description());
+  if (*there >= expected && !(file_.exact_size && *there > expected)) return {};
+  return file_error(stream_->name(), "size: expected " + std::to_string(expected) + " bytes of data, found " +
+                                         std::to_string(*there));
+}
+
+Status VolumeReader::skip_to_first_sample() {
+  GVX_ASSIGN(const std::uint64_t skipped, stream_->skip(first_sample_));
+  if (skipped < first_sample_) return data_end_early(0);
+  return {};
+}
+
+Status VolumeReader::read_slices(std::int64_t count, std::span<std::byte> out) {
+  const std::uint64_t slice = slice_bytes(description());
+  GVX_CHECK(count >= 0 && count <= description().dimensions.z - next_slice_);
+  GVX_CHECK(out.size() == static_cast<std::uint64_t>(count) * slice);
+  GVX_ASSIGN(const std::size_t done, stream_->read(out));
+  if (done < out.size()) return data_end_early(static_cast<std::uint64_t>(next_slice_) * slice + done);
+  next_slice_ += count;
+  const bool packed = file_.encoding == Encoding::gzip || file_.encoding == Encoding::bzip2;
+  if (packed && count > 0 && next_slice_ == description().dimensions.z) {
+    // The checksum stands behind the last byte: without one more read it would go unchecked.
+    std::byte behind;
+    if (auto checked = stream_->read({&behind, 1}); !checked.ok()) return Error(checked.error());
+  }
+  const bool stored_big_endian =
+      file_.encoding == Encoding::ascii ? kNativeBigEndian : description().big_endian;
+  if (stored_big_endian != kNativeBigEndian) swap_samples(description().type, out);
+  return {};
+}
+
+Status VolumeReader::rewind() {
+  GVX_TRY(stream_->rewind());
+  next_slice_ = 0;
+  return skip_to_first_sample();
+}
+
+Result<std::unique_ptr<VolumeReader>> open_volume(const std::string& path, const RawOptions& raw) {
+  GVX_ASSIGN(VolumeFile file, describe(path, raw));
+  return VolumeReader::open(std::move(file));
+}
+
+}  // namespace gvx::io

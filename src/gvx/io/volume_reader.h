@@ -1,0 +1,62 @@
+/// \file
+/// VolumeReader: other people's volumes, slice by slice, in native byte order; and open_volume, which knows
+/// the formats by their names. Memory is bounded whatever the volume's size: samples go straight to the
+/// caller.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "gvx/core/result.h"
+#include "gvx/io/byte_stream.h"
+#include "gvx/io/raw.h"
+#include "gvx/io/volume_file.h"
+
+namespace gvx::io {
+
+/// Reads the z-slices of one volume in order.
+class VolumeReader {
+ public:
+  /// Fails where check_description() does, the data file cannot be read, or its size shows that it is too
+  /// short (or longer than exact_size allows); of packed data that shows only while reading.
+  static Result<std::unique_ptr<VolumeReader>> open(VolumeFile file);
+
+  const VolumeDescription& description() const { return file_.description; }
+
+  /// Writes the next `count` slices, x fastest, in native byte order. `out` holds exactly count*slice_bytes
+  /// bytes, and as many slices must be left. An error where the data end early or are broken; after one, only
+  /// rewind() helps.
+  Status read_slices(std::int64_t count, std::span<std::byte> out);
+
+  /// The slice that read_slices() reads next.
+  std::int64_t next_slice() const { return next_slice_; }
+
+  /// Goes back to slice 0; an error for pipes.
+  Status rewind();
+
+  /// Bytes of the data file, as it is on disk, that have been passed so far.
+  std::uint64_t bytes_consumed() const { return stream_->bytes_consumed(); }
+
+ private:
+  VolumeReader(VolumeFile file, std::unique_ptr<ByteStream> stream);
+  Status find_first_sample();
+  Status check_size() const;
+  Status skip_to_first_sample();
+  Error data_end_early(std::uint64_t bytes_there) const;
+
+  VolumeFile file_;
+  std::unique_ptr<ByteStream> stream_;
+  std::uint64_t first_sample_ = 0;  // decoded bytes before it
+  std::int64_t next_slice_ = 0;
+};
+
+/// Opens .nrrd, .nhdr, .nii, .hdr/.img, .mha and .mhd (NIfTI also with .gz), and raw samples: .raw, .bin and
+/// .dat (also with .gz or .bz2), any other name when `raw` gives the dimensions, and "-" for standard input.
+/// The spacing in `raw` replaces that of any format; its other options are an error for files that describe
+/// themselves.
+Result<std::unique_ptr<VolumeReader>> open_volume(const std::string& path, const RawOptions& raw);
+
+}  // namespace gvx::io

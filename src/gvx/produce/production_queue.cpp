@@ -1,0 +1,106 @@
+#include "gvx/produce/production_queue.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace gvx::produce {
+namespace {
+
+/// The one value of all voxels, if they have but one.
+std::optional<float> single_value(VoxelType type, std::span<const std::byte> voxels) {
+  const std::size_t element = voxel_bytes(type);
+  // Equal to itself shifted by one voxel: all are equal.
+  if (std::memcmp(voxels.data(), voxels.data() + element, voxels.size() - element) != 0) return std::nullopt;
+  return with_voxel_type(type, [&](auto value) {
+    std::memcpy(&value, voxels.data(), element);
+    return static_cast<float>(value);
+  });
+}
+
+}  // namespace
+
+ProductionQueue::ProductionQueue(std::shared_ptr<const Producer> producer, int threads)
+    : producer_(std::move(producer)) {
+  for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
+}
+
+ProductionQueue::~ProductionQueue() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  work_came_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void ProductionQueue::replace(const std::vector<Job>& jobs) {
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_.clear();
+    for (const Job& job : jobs) {
+      if (!under_way_.contains(job)) waiting_.push_back(job);
+    }
+    std::reverse(waiting_.begin(), waiting_.end());
+  }
+  work_came_.notify_all();
+}
+
+std::vector<Produced> ProductionQueue::take_finished() {
+  const std::lock_guard lock(mutex_);
+  for (const Produced& produced : finished_) under_way_.erase(produced.job);
+  return std::exchange(finished_, {});
+}
+
+void ProductionQueue::wait() {
+  std::unique_lock lock(mutex_);
+  work_done_.wait(lock, [&] { return !finished_.empty() || (waiting_.empty() && making_ == 0); });
+}
+
+void ProductionQueue::wait_until(std::chrono::steady_clock::time_point deadline) {
+  std::unique_lock lock(mutex_);
+  work_done_.wait_until(lock, deadline, [&] { return !finished_.empty() || (waiting_.empty() && making_ == 0); });
+}
+
+bool ProductionQueue::idle() const {
+  const std::lock_guard lock(mutex_);
+  return waiting_.empty() && making_ == 0 && finished_.empty();
+}
+
+void ProductionQueue::work() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    work_came_.wait(lock, [&] { return stopping_ || !waiting_.empty(); });
+    if (stopping_) return;
+    const Job job = waiting_.back();
+    waiting_.pop_back();
+    if (!under_way_.insert(job).second) {
+      work_done_.notify_all();
+      continue;
+    }
+    ++making_;
+    lock.unlock();
+    Produced produced = make(job);
+    lock.lock();
+    --making_;
+    finished_.push_back(std::move(produced));
+    work_done_.notify_all();
+  }
+}
+
+Produced ProductionQueue::make(const Job& job) const {
+  const TreeDescription& tree = producer_->description();
+  Produced produced{job, {}, {}, {}, {}, {}};
+  if (job.kind == JobKind::brick) {
+    produced.voxels.resize(tree.brick_bytes());
+    produced.status = producer_->produce(job.key, produced.voxels);
+    if (produced.status.ok()) produced.constant = single_value(tree.type, produced.voxels);
+  } else {
+    const int n = static_cast<int>(tree.n);
+    for (int i = 0; i < n * n * n; ++i) produced.child_keys.push_back(producer_->canonical(child(job.key, n, i)));
+    produced.children.resize(produced.child_keys.size());
+    produced.status = producer_->describe(produced.child_keys, produced.children);
+  }
+  return produced;
+}
+
+}  // namespace gvx::produce

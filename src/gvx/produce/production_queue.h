@@ -1,0 +1,84 @@
+/// \file
+/// ProductionQueue runs a producer beside rendering, on threads of its own: reading, decoding and describing happen
+/// there; committing what is finished is the engine's.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <unordered_set>
+#include <vector>
+
+#include "gvx/produce/producer.h"
+
+namespace gvx::produce {
+
+enum class JobKind : std::uint32_t { brick, children };
+
+/// Make the brick of a canonical node, or describe its N^3 children.
+struct Job {
+  NodeKey key;
+  JobKind kind = JobKind::brick;
+
+  constexpr bool operator==(const Job&) const = default;
+};
+
+struct JobHash {
+  std::size_t operator()(const Job& job) const {
+    return NodeKeyHash{}(job.key) * 2 + static_cast<std::size_t>(job.kind);
+  }
+};
+
+/// What came of a job.
+struct Produced {
+  Job job;
+  Status status;
+  std::vector<std::byte> voxels;         ///< of a brick that is not constant
+  std::optional<float> constant;         ///< the one value of a brick that turned out to have but one
+  std::vector<NodeKey> child_keys;       ///< of children: canonical
+  std::vector<tree::NodeInfo> children;  ///< of children: N^3 of them
+};
+
+class ProductionQueue {
+ public:
+  ProductionQueue(std::shared_ptr<const Producer> producer, int threads);
+  ~ProductionQueue();
+  ProductionQueue(const ProductionQueue&) = delete;
+  ProductionQueue& operator=(const ProductionQueue&) = delete;
+
+  /// Replaces the jobs that have not begun by these, the most urgent first. Jobs that are being made or wait to be taken
+  /// are not made again.
+  void replace(const std::vector<Job>& jobs);
+
+  /// What is finished, in the order of finishing. Does not wait.
+  std::vector<Produced> take_finished();
+
+  /// Waits until something is finished or nothing is left to do.
+  void wait();
+
+  /// The same, but no longer than until `deadline`.
+  void wait_until(std::chrono::steady_clock::time_point deadline);
+
+  /// Is nothing waiting, being made, or finished?
+  bool idle() const;
+
+ private:
+  void work();
+  Produced make(const Job& job) const;
+
+  std::shared_ptr<const Producer> producer_;
+  mutable std::mutex mutex_;
+  std::condition_variable work_came_, work_done_;
+  std::vector<Job> waiting_;                     // the most urgent last
+  std::unordered_set<Job, JobHash> under_way_;   // being made, or finished and not yet taken
+  std::vector<Produced> finished_;
+  std::size_t making_ = 0;
+  bool stopping_ = false;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace gvx::produce

@@ -1,0 +1,76 @@
+#include "gvx/produce/sponge_producer.h"
+
+#include <algorithm>
+
+namespace gvx::produce {
+namespace {
+
+// What voxels resolve of the sponge: its third generation, 27 cells across, sampled with 4^3 points a voxel.
+constexpr int kGenerations = 3;
+constexpr int kSamples = 4;
+
+/// The node that stands for every hole: the middle of the root.
+constexpr NodeKey kHole{1, 1, 1, 1};
+
+bool inside(double x, double y, double z) {
+  for (int g = 0; g < kGenerations; ++g) {
+    x *= 3, y *= 3, z *= 3;
+    const auto ix = static_cast<std::uint32_t>(x), iy = static_cast<std::uint32_t>(y),
+               iz = static_cast<std::uint32_t>(z);
+    if (!SpongeProducer::solid(ix, iy, iz)) return false;
+    x -= ix, y -= iy, z -= iz;
+  }
+  return true;
+}
+
+}  // namespace
+
+SpongeProducer::SpongeProducer(std::uint32_t m) {
+  description_.n = 3;
+  description_.m = m;
+  description_.max_level = kMaxLevel;
+  description_.type = VoxelType::u8;
+  description_.range = {0, 255};
+  description_.bricks = 1;
+}
+
+NodeKey SpongeProducer::canonical(const NodeKey& key) const {
+  NodeKey k = key;
+  while (k.level > 0) {
+    if (!solid(k.x % 3, k.y % 3, k.z % 3)) return kHole;
+    k = parent(k, 3);
+  }
+  return k;
+}
+
+Status SpongeProducer::describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const {
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    infos[i] = canonical(keys[i]) == kHole ? tree::NodeInfo{{0, 0}, true} : tree::NodeInfo{{0, 255}, false};
+  }
+  return {};
+}
+
+Status SpongeProducer::produce(const NodeKey& key, std::span<std::byte> voxels) const {
+  GVX_CHECK(key == NodeKey{});
+  const int m = static_cast<int>(description_.m);
+  // The border repeats the outermost voxels: what is beyond depends on which of its places the brick stands in.
+  const auto coverage = [&](int x, int y, int z) {
+    int hits = 0;
+    for (int s = 0; s < kSamples * kSamples * kSamples; ++s) {
+      const auto at = [&](int voxel, int sample) {
+        return (std::clamp(voxel, 0, m - 1) + (sample + 0.5) / kSamples) / m;
+      };
+      hits += inside(at(x, s % kSamples), at(y, s / kSamples % kSamples), at(z, s / kSamples / kSamples)) ? 1 : 0;
+    }
+    return static_cast<std::byte>(hits * 255 / (kSamples * kSamples * kSamples));
+  };
+  std::size_t i = 0;
+  for (int z = -1; z <= m; ++z) {
+    for (int y = -1; y <= m; ++y) {
+      for (int x = -1; x <= m; ++x) voxels[i++] = coverage(x, y, z);
+    }
+  }
+  return {};
+}
+
+}  // namespace gvx::produce

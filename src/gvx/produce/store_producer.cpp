@@ -1,0 +1,44 @@
+#include "gvx/produce/store_producer.h"
+
+namespace gvx::produce {
+
+StoreProducer::StoreProducer(std::unique_ptr<store::StoreReader> reader) : reader_(std::move(reader)) {
+  const store::VolumeInfo& info = reader_->info();
+  const double cube = info.shape.cube_voxels();
+  description_.n = info.shape.n;
+  description_.m = info.shape.m;
+  description_.max_level = info.shape.levels - 1;
+  description_.type = info.type;
+  description_.tree_to_world = info.voxel_to_world * scaling(Vec3d(cube));
+  description_.extent = {{0, 0, 0}, Vec3d(info.shape.dimensions) / cube};
+  description_.anatomical = info.anatomical;
+  description_.scale = info.scale;
+  description_.offset = info.offset;
+  description_.range = info.range;
+  description_.histogram = info.histogram;
+  for (std::uint32_t level = 0; level < info.shape.levels; ++level) {
+    const Vec3i nodes = info.shape.level_nodes(level);
+    description_.bricks += static_cast<std::uint64_t>(nodes.x * nodes.y * nodes.z);
+  }
+}
+
+Status StoreProducer::describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const {
+  const store::VolumeInfo& info = reader_->info();
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (!info.shape.contains(keys[i])) {
+      // Beyond the volume, where no ray samples: any constant will do.
+      infos[i] = {{info.range.minimum, info.range.minimum}, true};
+      continue;
+    }
+    GVX_ASSIGN(const store::NodeRecord record, reader_->node(keys[i]));
+    infos[i] = {record.range, keys[i].level == description_.max_level};
+  }
+  return {};
+}
+
+Status StoreProducer::produce(const NodeKey& key, std::span<std::byte> voxels) const {
+  GVX_ASSIGN(const store::NodeRecord record, reader_->node(key));
+  return reader_->read_brick(key, record, voxels);
+}
+
+}  // namespace gvx::produce

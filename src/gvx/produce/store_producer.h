@@ -1,0 +1,26 @@
+/// \file
+/// StoreProducer: the bricks of a .gvx store.
+#pragma once
+
+#include <memory>
+
+#include "gvx/produce/producer.h"
+#include "gvx/store/store_reader.h"
+
+namespace gvx::produce {
+
+class StoreProducer final : public Producer {
+ public:
+  explicit StoreProducer(std::unique_ptr<store::StoreReader> reader);
+
+  const TreeDescription& description() const override { return description_; }
+  Status describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const override;
+  Status produce(const NodeKey& key, std::span<std::byte> voxels) const override;
+  std::uint64_t bytes_read() const override { return reader_->bytes_read(); }
+
+ private:
+  std::unique_ptr<store::StoreReader> reader_;
+  TreeDescription description_;
+};
+
+}  // namespace gvx::produce

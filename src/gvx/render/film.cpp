@@ -1,0 +1,88 @@
+#include "gvx/render/film.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gvx::render {
+namespace {
+
+/// IEC 61966-2-1.
+float to_linear(float display) {
+  return display <= 0.04045f ? display / 12.92f : std::pow((display + 0.055f) / 1.055f, 2.4f);
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> Picture::to_8_bit() const {
+  std::vector<std::uint8_t> bytes(rgba.size());
+  std::transform(rgba.begin(), rgba.end(), bytes.begin(), [](float v) {
+    return static_cast<std::uint8_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255.0f));
+  });
+  return bytes;
+}
+
+std::vector<float> Picture::to_linear_premultiplied() const {
+  std::vector<float> linear(rgba.size());
+  for (std::size_t i = 0; i < rgba.size(); i += 4) {
+    for (std::size_t c = 0; c < 3; ++c) linear[i + c] = to_linear(rgba[i + c]) * rgba[i + 3];
+    linear[i + 3] = rgba[i + 3];
+  }
+  return linear;
+}
+
+Film::Film(const exec::Device& device, std::uint32_t width, std::uint32_t height)
+    : width_(width),
+      height_(height),
+      rays_(device, std::size_t(width) * height),
+      preview_(device, std::size_t(width) * height) {}
+
+Picture Film::develop(Vec3f background, bool opaque_background) const {
+  Picture picture{width_, height_, std::vector<float>(std::size_t(width_) * height_ * 4)};
+  float* out = picture.rgba.data();
+  for (std::uint32_t y = 0; y < height_; ++y) {
+    for (std::uint32_t x = 0; x < width_; ++x, out += 4) {
+      const RayState& ray = rays_.view()[std::size_t(y) * width_ + x];
+      Vec3f color = ray.color;
+      float opacity = ray.opacity;
+      if (ray.epoch != epoch_ || ray.phase != RayPhase::finished) {
+        color = {};
+        opacity = 0;
+        for (std::uint32_t block = 1; block <= kLargestBlock; block *= 2) {
+          const PreviewPixel& p = preview_.view()[std::size_t(y / block * block) * width_ + x / block * block];
+          if (p.epoch != epoch_) continue;
+          color = p.color;
+          opacity = p.opacity;
+          break;
+        }
+      }
+      if (opaque_background) {
+        color = color + (1 - opacity) * background;
+        opacity = 1;
+      } else if (opacity > 0) {
+        color = color / opacity;
+      }
+      out[0] = color.x;
+      out[1] = color.y;
+      out[2] = color.z;
+      out[3] = opacity;
+    }
+  }
+  return picture;
+}
+
+FilmTotals Film::totals() const {
+  FilmTotals totals;
+  for (const RayState& ray : rays_.view()) {
+    if (ray.epoch == epoch_) totals.samples += ray.samples;
+    totals.unfinished += ray.epoch == epoch_ && ray.phase == RayPhase::finished ? 0 : 1;
+  }
+  for (const PreviewPixel& pixel : preview_.view()) {
+    if (pixel.epoch != epoch_) continue;
+    totals.wanted += pixel.wanted;
+    totals.resident += pixel.resident;
+    totals.worst_lack = std::max(totals.worst_lack, pixel.worst_lack);
+  }
+  return totals;
+}
+
+}  // namespace gvx::render

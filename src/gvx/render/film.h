@@ -1,0 +1,63 @@
+/// \file
+/// Film: the rays and preview pixels of one picture, and the picture that they make.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gvx/exec/buffer.h"
+#include "gvx/exec/device.h"
+#include "gvx/exec/for_each.h"
+#include "gvx/render/frame.h"
+#include "gvx/render/ray_state.h"
+
+namespace gvx::render {
+
+/// A finished picture: display (sRGB) red, green, blue and alpha, 0 to 1, not multiplied by alpha; rows from the top.
+struct Picture {
+  std::uint32_t width = 0, height = 0;
+  std::vector<float> rgba;
+
+  std::vector<std::uint8_t> to_8_bit() const;
+  /// Colours in linear light, multiplied by alpha, as EXR files hold them.
+  std::vector<float> to_linear_premultiplied() const;
+};
+
+/// What the pixels of a film add up to.
+struct FilmTotals {
+  std::uint64_t samples = 0;       ///< taken by exact rays
+  std::uint64_t unfinished = 0;    ///< exact rays
+  std::uint64_t wanted = 0;        ///< stretches of preview rays that wanted data
+  std::uint64_t resident = 0;      ///< of these, those that had it at the level wanted
+  std::uint32_t worst_lack = 0;    ///< the most levels by which one fell short
+};
+
+class Film {
+ public:
+  /// The largest block of a preview's first stage.
+  static constexpr std::uint32_t kLargestBlock = 32;
+
+  Film(const exec::Device& device, std::uint32_t width, std::uint32_t height);
+
+  exec::TileGrid grid() const { return {width_, height_, 16}; }
+  exec::BufferView<RayState> rays() { return rays_.view(); }
+  exec::BufferView<PreviewPixel> preview() { return preview_.view(); }
+
+  /// All rays back to their start and no preview: a new epoch.
+  void clear() { ++epoch_; }
+  /// What rays and preview pixels of this picture carry; others count as not there.
+  std::uint32_t epoch() const { return epoch_; }
+
+  /// Finished rays as they are; the rest as the nearest preview pixel to the upper left; else nothing.
+  Picture develop(Vec3f background, bool opaque_background) const;
+
+  FilmTotals totals() const;
+
+ private:
+  std::uint32_t width_, height_;
+  std::uint32_t epoch_ = 1;
+  exec::Buffer<RayState> rays_;
+  exec::Buffer<PreviewPixel> preview_;
+};
+
+}  // namespace gvx::render

@@ -1,0 +1,100 @@
+/// \file
+/// The kernels of march_pass.h, as templates over the voxel type; each march_*.cpp instantiates one type. Private to
+/// this room, and for device sources only.
+#pragma once
+
+#include "gvx/exec/for_each.h"
+#include "gvx/render/march.h"
+#include "gvx/render/march_pass.h"
+
+namespace gvx::render::kernels {
+
+template <typename Voxel, int N, int M>
+PassView<Voxel, N, M> view_of(const Pass& pass) {
+  return {pass.frame,       pass.nodes,    {static_cast<const Voxel*>(pass.voxels)}, pass.tile_usage,
+          pass.brick_usage, pass.requests, pass.number};
+}
+
+template <typename Voxel, int N, int M>
+struct MarchExact {
+  PassView<Voxel, N, M> view;
+  exec::TileGrid grid;
+  exec::BufferView<RayState> rays;
+  exec::BufferView<std::uint32_t> unfinished;
+  std::uint32_t epoch;
+
+  GVX_HD void operator()(std::uint32_t x, std::uint32_t y) const {
+    RayState& ray = rays[std::size_t(y) * view.frame.width + x];
+    if (ray.epoch != epoch) {
+      ray = RayState{};
+      ray.epoch = epoch;
+    }
+    if (ray.phase == RayPhase::finished) return;
+    RayMarcher<Voxel, N, M>(view, x, y).march_exact(ray);
+    if (ray.phase != RayPhase::finished) exec::store_relaxed(&unfinished[grid.tile_of(x, y)], 1);
+  }
+};
+
+template <typename Voxel, int N, int M>
+struct MarchPreview {
+  PassView<Voxel, N, M> view;
+  std::uint32_t block;
+  bool refine;
+  exec::BufferView<const RayState> rays;
+  exec::BufferView<PreviewPixel> pixels;
+  std::uint32_t epoch;
+
+  GVX_HD void operator()(std::uint32_t block_x, std::uint32_t block_y) const {
+    if (refine && block_x % 2 == 0 && block_y % 2 == 0) return;
+    const std::uint32_t x = block_x * block, y = block_y * block;
+    const std::size_t pixel = std::size_t(y) * view.frame.width + x;
+    if (rays[pixel].epoch == epoch && rays[pixel].phase == RayPhase::finished) return;
+    pixels[pixel] = RayMarcher<Voxel, N, M>(view, x, y).march_preview();
+    pixels[pixel].epoch = epoch;
+  }
+};
+
+/// Calls function(PassView) for the pass's N and M.
+template <typename Voxel, typename Function>
+bool with_view(const Pass& pass, Function function) {
+  const auto with_m = [&](auto n) {
+    constexpr int N = decltype(n)::value;
+    switch (pass.m) {
+      case 8: return function(view_of<Voxel, N, 8>(pass));
+      case 16: return function(view_of<Voxel, N, 16>(pass));
+      default: GVX_CHECK(pass.m == 32); return function(view_of<Voxel, N, 32>(pass));
+    }
+  };
+  GVX_CHECK(pass.n == 2 || pass.n == 3);
+  return pass.n == 2 ? with_m(std::integral_constant<int, 2>{}) : with_m(std::integral_constant<int, 3>{});
+}
+
+template <typename Voxel>
+bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
+                 exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
+                 exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
+  return with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
+    return exec::for_each_pixel(device, "march_exact", grid, tiles, deadline,
+                                MarchExact<Voxel, N, M>{view, grid, rays, unfinished, pass.epoch});
+  });
+}
+
+template <typename Voxel>
+bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
+                   exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
+                   bool refine, exec::BufferView<const RayState> rays, exec::BufferView<PreviewPixel> pixels) {
+  return with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
+    return exec::for_each_pixel(device, "march_preview", grid, tiles, deadline,
+                                MarchPreview<Voxel, N, M>{view, block, refine, rays, pixels, pass.epoch});
+  });
+}
+
+#define GVX_INSTANTIATE_MARCH(PREFIX, VOXEL)                                                                         \
+  PREFIX template bool march_exact<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,                          \
+                                          exec::BufferView<const std::uint32_t>, exec::Deadline,                     \
+                                          exec::BufferView<RayState>, exec::BufferView<std::uint32_t>);              \
+  PREFIX template bool march_preview<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,                        \
+                                            exec::BufferView<const std::uint32_t>, exec::Deadline, std::uint32_t,    \
+                                            bool, exec::BufferView<const RayState>, exec::BufferView<PreviewPixel>);
+
+}  // namespace gvx::render::kernels

@@ -1,0 +1,30 @@
+#include "gvx/render/march_pass.h"
+
+#include "gvx/render/march_kernels.h"
+
+namespace gvx::render {
+namespace kernels {
+
+GVX_INSTANTIATE_MARCH(extern, std::uint8_t)
+GVX_INSTANTIATE_MARCH(extern, std::uint16_t)
+GVX_INSTANTIATE_MARCH(extern, float)
+
+}  // namespace kernels
+
+bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
+                 exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
+                 exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
+  return with_voxel_type(pass.type, [&](auto zero) {
+    return kernels::march_exact<decltype(zero)>(device, pass, grid, tiles, deadline, rays, unfinished);
+  });
+}
+
+bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
+                   exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
+                   bool refine, exec::BufferView<const RayState> rays, exec::BufferView<PreviewPixel> pixels) {
+  return with_voxel_type(pass.type, [&](auto zero) {
+    return kernels::march_preview<decltype(zero)>(device, pass, grid, tiles, deadline, block, refine, rays, pixels);
+  });
+}
+
+}  // namespace gvx::render

@@ -1,0 +1,44 @@
+/// \file
+/// One pass of all rays over what is resident: the launch of the march's kernels for the voxel type, N and M of a tree.
+#pragma once
+
+#include <cstdint>
+
+#include "gvx/cache/request_marks.h"
+#include "gvx/cache/usage_list.h"
+#include "gvx/core/voxel.h"
+#include "gvx/exec/buffer.h"
+#include "gvx/exec/device.h"
+#include "gvx/exec/for_each.h"
+#include "gvx/render/frame.h"
+#include "gvx/render/ray_state.h"
+#include "gvx/tree/node_pool.h"
+
+namespace gvx::render {
+
+/// What a pass works on; the type, n and m say what the bricks are.
+struct Pass {
+  VoxelType type = VoxelType::u8;
+  std::uint32_t n = 2, m = 16;
+  FrameView frame;
+  tree::NodePoolView nodes;
+  const void* voxels = nullptr;  ///< of the brick pool
+  cache::UsageView tile_usage, brick_usage;
+  cache::RequestView requests;
+  std::uint32_t number = 0;  ///< the stamp of this pass
+  std::uint32_t epoch = 0;   ///< of the film
+};
+
+/// Marches the exact rays of the listed tiles; sets unfinished[tile] = 1 where a ray of the tile is not finished.
+/// `unfinished` has an entry per tile of the grid. Returns whether all tiles were begun before the deadline.
+bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
+                 exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
+                 exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished);
+
+/// Draws preview pixels at multiples of `block`, except those that a block twice as large has drawn (where `refine`) and
+/// those whose exact ray is finished. The grid is that of the blocks: ceil(width / block) by ceil(height / block).
+bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
+                   exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
+                   bool refine, exec::BufferView<const RayState> rays, exec::BufferView<PreviewPixel> pixels);
+
+}  // namespace gvx::render

@@ -1,0 +1,125 @@
+#include "gvx/scene/camera.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <string_view>
+
+namespace gvx::scene {
+namespace {
+
+constexpr double kRadians = std::numbers::pi / 180;
+
+Error bad_camera(const std::string& what) {
+  return Error{"camera: " + what + "; expected eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees (or height=world)"};
+}
+
+Result<double> parse_number(std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) {
+    return bad_camera("'" + std::string(text) + "' is not a number");
+  }
+  return value;
+}
+
+Result<Vec3d> parse_vector(std::string_view text) {
+  Vec3d v;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::size_t comma = axis < 2 ? text.find(',') : text.size();
+    if (comma == std::string_view::npos) return bad_camera("'" + std::string(text) + "' has too few numbers");
+    GVX_ASSIGN(v[axis], parse_number(text.substr(0, comma)));
+    text.remove_prefix(std::min(comma + 1, text.size()));
+  }
+  return v;
+}
+
+std::string number_text(double v) {
+  char text[32];
+  return std::string(text, std::to_chars(text, text + sizeof(text), v).ptr);
+}
+
+std::string vector_text(Vec3d v) { return number_text(v.x) + ',' + number_text(v.y) + ',' + number_text(v.z); }
+
+}  // namespace
+
+Result<CameraView> make_view(const Camera& camera, std::uint32_t width, std::uint32_t height) {
+  const Vec3d look = camera.target - camera.eye;
+  const Vec3d side = cross(look, camera.up);
+  if (!(length(look) > 0)) return bad_camera("eye and target are the same point");
+  if (!(length(side) > 1e-12 * length(look) * length(camera.up))) return bad_camera("up points along the view");
+  if (!camera.orthographic() && !(camera.fov_degrees > 0 && camera.fov_degrees < 180)) {
+    return bad_camera("fov must be between 0 and 180 degrees");
+  }
+  CameraView view;
+  view.eye = camera.eye;
+  view.forward = normalize(look);
+  view.right = normalize(side);
+  view.up = cross(view.right, view.forward);
+  view.orthographic = camera.orthographic();
+  view.pixel = (view.orthographic ? camera.height_world : 2 * std::tan(camera.fov_degrees / 2 * kRadians)) / height;
+  view.half_width = width / 2.0;
+  view.half_height = height / 2.0;
+  return view;
+}
+
+std::string to_text(const Camera& camera) {
+  return "eye=" + vector_text(camera.eye) + ";target=" + vector_text(camera.target) + ";up=" + vector_text(camera.up) +
+         (camera.orthographic() ? ";height=" + number_text(camera.height_world)
+                                : ";fov=" + number_text(camera.fov_degrees));
+}
+
+Result<Camera> parse_camera(const std::string& text, const Camera& defaults) {
+  Camera camera = defaults;
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(';'), rest.size());
+    const std::string_view part = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    if (part.empty()) continue;
+    const std::size_t equals = part.find('=');
+    if (equals == std::string_view::npos) return bad_camera("'" + std::string(part) + "' has no '='");
+    const std::string_view name = part.substr(0, equals), value = part.substr(equals + 1);
+    if (name == "eye") {
+      GVX_ASSIGN(camera.eye, parse_vector(value));
+    } else if (name == "target") {
+      GVX_ASSIGN(camera.target, parse_vector(value));
+    } else if (name == "up") {
+      GVX_ASSIGN(camera.up, parse_vector(value));
+    } else if (name == "fov") {
+      GVX_ASSIGN(camera.fov_degrees, parse_number(value));
+      camera.height_world = 0;
+    } else if (name == "height") {
+      GVX_ASSIGN(camera.height_world, parse_number(value));
+      if (!(camera.height_world > 0)) return bad_camera("height must be above 0");
+    } else {
+      return bad_camera("unknown part '" + std::string(name) + "'");
+    }
+  }
+  GVX_ASSIGN(const CameraView checked, make_view(camera, 1, 1));
+  (void)checked;
+  return camera;
+}
+
+Camera frame_box(const Box3d& extent, const Affine3& extent_to_world, bool anatomical, double aspect) {
+  Camera camera;
+  const Vec3d to_eye = normalize(anatomical ? Vec3d{-0.42, 1, 0.22} : Vec3d{-0.45, -1, 0.35});
+  camera.up = {0, 0, 1};
+  camera.target = extent_to_world.point(0.5 * (extent.minimum + extent.maximum));
+  // The distance from which every corner is within the picture, with a margin of a twentieth.
+  const Vec3d right = normalize(cross(-to_eye, camera.up)), up = cross(right, -to_eye);
+  const double tangent = std::tan(camera.fov_degrees / 2 * kRadians) * 0.95;
+  double distance = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3d p{corner & 1 ? extent.maximum.x : extent.minimum.x, corner & 2 ? extent.maximum.y : extent.minimum.y,
+                  corner & 4 ? extent.maximum.z : extent.minimum.z};
+    const Vec3d d = extent_to_world.point(p) - camera.target;
+    const double across = std::max(std::abs(dot(d, up)), std::abs(dot(d, right)) / aspect);
+    distance = std::max(distance, dot(d, to_eye) + across / tangent);
+  }
+  camera.eye = camera.target + distance * to_eye;
+  return camera;
+}
+
+}  // namespace gvx::scene

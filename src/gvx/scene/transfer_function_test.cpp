@@ -1,0 +1,97 @@
+#include "gvx/scene/transfer_function.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace gvx::scene {
+namespace {
+
+TransferFunction tent() {
+  return {{{0, {0, 0, 0}}, {100, {1, 0.5, 0.25}}}, {{-50, 0}, {10, 0}, {20, 0.5}, {30, 0}, {80, 0}, {80, 1}}, 0};
+}
+
+TEST(TransferFunction, is_piecewise_linear_with_steps_and_constant_beyond) {
+  const TransferFunction f = tent();
+  EXPECT_DOUBLE_EQ(f.opacity(15), 0.25);
+  EXPECT_DOUBLE_EQ(f.opacity(79.999), 0);
+  EXPECT_DOUBLE_EQ(f.opacity(80), 1);
+  EXPECT_DOUBLE_EQ(f.opacity(-1e9), 0);
+  EXPECT_DOUBLE_EQ(f.opacity(1e9), 1);
+  EXPECT_DOUBLE_EQ(f.color(50).y, 0.25);
+}
+
+TEST(TransferFunction, transparent_is_about_the_whole_range) {
+  const TransferFunction f = tent();
+  EXPECT_TRUE(f.transparent(-100, 10));
+  EXPECT_FALSE(f.transparent(0, 50));
+  EXPECT_TRUE(f.transparent(30, 79));
+  EXPECT_FALSE(f.transparent(40, 80));
+}
+
+TEST(TransferTable, agrees_with_the_function_between_its_entries) {
+  const TransferFunction f = tent();
+  const double scale = 0.5, offset = -20;
+  const std::vector<double> steps = {1.0, 0.5};
+  const TransferTable table = bake(f, scale, offset, steps);
+  const TransferView view = table.view();
+  for (double physical = -60; physical < 100; physical += 0.37) {
+    if (std::abs(physical - 80) < 0.1) continue;  // the step is as wide as one entry
+    const auto place = view.place(static_cast<float>((physical - offset) / scale));
+    const double opacity = f.opacity(physical);
+    EXPECT_NEAR(view.opacity(place, 0), opacity, 2e-3);
+    EXPECT_NEAR(view.opacity(place, 1), 1 - std::sqrt(1 - opacity), 2e-3);
+    EXPECT_NEAR(view.color(place).x, f.color(physical).x, 1e-3);
+  }
+}
+
+TEST(TransferTable, transparency_is_conservative) {
+  const std::vector<double> steps = {1.0};
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> value(-70, 110);
+  for (const double scale : {1.0, 0.01, -2.0}) {
+    const TransferTable table = bake(tent(), scale, 5, steps);
+    const TransferView view = table.view();
+    int transparent = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const double a = (value(random) - 5) / scale, b = (value(random) - 5) / scale;
+      const ValueRange range{static_cast<float>(std::min(a, b)), static_cast<float>(std::max(a, b))};
+      if (!view.transparent(range)) continue;
+      ++transparent;
+      for (int k = 0; k <= 20; ++k) {
+        const float stored = range.minimum + (range.maximum - range.minimum) * static_cast<float>(k) / 20;
+        ASSERT_EQ(view.opacity(view.place(stored), 0), 0.0f);
+      }
+    }
+    EXPECT_GT(transparent, 1000);
+  }
+}
+
+TEST(TransferFunction, check_names_the_point) {
+  TransferFunction f = tent();
+  f.opacities[2].opacity = 1.5;
+  EXPECT_NE(check(f).error().message.find("opacity point 3"), std::string::npos);
+  f = tent();
+  f.colors[1].value = -1;
+  EXPECT_NE(check(f).error().message.find("colour point 2"), std::string::npos);
+  f = tent();
+  f.colors[0].value = NAN;
+  EXPECT_FALSE(check(f).ok());
+  EXPECT_TRUE(check(tent()).ok());
+}
+
+TEST(Presets, all_are_sound_whatever_the_statistics) {
+  for (const char* name : preset_names()) {
+    for (const ValueStatistics& s : {ValueStatistics{0, 255, {}}, ValueStatistics{-1024, 3000, {5, 4, 3, 2, 1}},
+                                     ValueStatistics{7, 7, {0, 0}}}) {
+      EXPECT_TRUE(check(preset(name, s).value()).ok()) << name;
+    }
+  }
+  EXPECT_FALSE(preset("rainbow", {}).ok());
+  EXPECT_EQ(suggest_preset({-1024, 2986, {}}), "ct-bone");
+  EXPECT_EQ(suggest_preset({0, 255, {}}), "gray");
+}
+
+}  // namespace
+}  // namespace gvx::scene

@@ -1,0 +1,81 @@
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "gvx/scene/transfer_function.h"
+
+namespace gvx::scene {
+namespace {
+
+constexpr std::array<const char*, 5> kNames = {"ct-bone", "ct-skin", "ct-tissue", "gray", "solid"};
+
+/// The physical value below which `share` of the voxels lie.
+double percentile(const ValueStatistics& s, double share) {
+  const double all = static_cast<double>(std::accumulate(s.histogram.begin(), s.histogram.end(), std::uint64_t(0)));
+  double below = 0;
+  for (std::size_t i = 0; i < s.histogram.size(); ++i) {
+    below += static_cast<double>(s.histogram[i]);
+    if (below >= share * all) {
+      return s.minimum + (s.maximum - s.minimum) * static_cast<double>(i + 1) / static_cast<double>(s.histogram.size());
+    }
+  }
+  return s.maximum;
+}
+
+TransferFunction ct_bone() {
+  return {{{150, {0.62, 0.32, 0.22}}, {350, {0.88, 0.74, 0.57}}, {900, {0.97, 0.92, 0.82}}, {2000, {1, 1, 0.97}}},
+          {{140, 0}, {260, 0.25}, {500, 0.7}, {1200, 0.9}},
+          0};
+}
+
+TransferFunction ct_skin() {
+  return {{{-500, {0.72, 0.46, 0.36}}, {-150, {0.87, 0.65, 0.54}}, {150, {0.95, 0.80, 0.70}}, {600, {1, 0.95, 0.88}}},
+          {{-480, 0}, {-250, 0.35}, {0, 0.6}, {400, 0.9}},
+          0};
+}
+
+TransferFunction ct_tissue() {
+  return {{{-300, {0.80, 0.52, 0.40}}, {40, {0.78, 0.30, 0.24}}, {160, {0.86, 0.55, 0.38}}, {350, {0.95, 0.90, 0.80}}},
+          {{-350, 0}, {-180, 0.015}, {20, 0.02}, {90, 0.03}, {180, 0.12}, {400, 0.6}},
+          0};
+}
+
+/// A ramp from the dark half of the voxels to the brightest thousandth.
+TransferFunction gray(const ValueStatistics& s) {
+  const double width = std::max(s.maximum - s.minimum, 1e-30);
+  const double floor = s.histogram.empty() ? s.minimum + 0.15 * width : percentile(s, 0.6);
+  const double top = s.histogram.empty() ? s.maximum : percentile(s, 0.999);
+  const double low = std::min(floor, s.minimum + 0.5 * width), high = std::max(top, low + 0.05 * width);
+  return {{{low, {0.45, 0.42, 0.40}}, {0.5 * (low + high), {0.85, 0.80, 0.74}}, {high, {1, 1, 1}}},
+          {{low, 0}, {low + 0.25 * (high - low), 0.05}, {high, 0.6}},
+          0};
+}
+
+/// What is above the middle of the values, as a surface.
+TransferFunction solid(const ValueStatistics& s) {
+  const double width = std::max(s.maximum - s.minimum, 1e-30);
+  const auto at = [&](double share) { return s.minimum + share * width; };
+  return {{{at(0), {0.80, 0.72, 0.60}}, {at(1), {0.95, 0.90, 0.82}}}, {{at(0.3), 0}, {at(0.6), 0.9}}, 0};
+}
+
+}  // namespace
+
+std::span<const char* const> preset_names() { return kNames; }
+
+Result<TransferFunction> preset(const std::string& name, const ValueStatistics& statistics) {
+  if (name == "ct-bone") return ct_bone();
+  if (name == "ct-skin") return ct_skin();
+  if (name == "ct-tissue") return ct_tissue();
+  if (name == "gray") return gray(statistics);
+  if (name == "solid") return solid(statistics);
+  std::string known;
+  for (const char* n : kNames) known += std::string(known.empty() ? "" : ", ") + n;
+  return Error{"transfer function: no preset '" + name + "'; there are " + known};
+}
+
+std::string suggest_preset(const ValueStatistics& s) {
+  const bool hounsfield = s.minimum <= -500 && s.minimum >= -4096 && s.maximum >= 700 && s.maximum <= 32767;
+  return hounsfield ? "ct-bone" : "gray";
+}
+
+}  // namespace gvx::scene

@@ -1,0 +1,61 @@
+/// \file
+/// PyramidBuilder makes all levels of the tree out of a volume that is handed over slice by slice, in one pass and in
+/// bounded memory, and puts them into a StoreWriter.
+///
+/// Each level keeps a window of its last m+2 slices. When a level has the slices of a layer of bricks and the one
+/// behind it, the layer's bricks are cut out, compressed on all threads, and written; when it has n slices that
+/// average to one of the level above, that one is pushed there:
+///
+///     finest   z ->  [.....m+2 slices.....]  -> bricks of one layer -> writer
+///                          | mean of n^3 voxels
+///     above          [.....m+2 slices.....]  -> bricks of one layer -> writer
+///                          | ...
+///
+/// Voxels beyond the volume's faces repeat those at the face; means take only the voxels that exist.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "gvx/core/result.h"
+#include "gvx/exec/device.h"
+#include "gvx/store/format.h"
+#include "gvx/store/store_writer.h"
+
+namespace gvx::store {
+
+/// Takes the slices of a volume of one voxel type. The bytes written do not depend on the number of threads.
+class PyramidBuilder {
+ public:
+  /// `info` says the shape, voxel type, codec and all that the header keeps; its range and histogram are found here.
+  PyramidBuilder(const exec::Device& cpu, StoreWriter& writer, VolumeInfo info);
+  ~PyramidBuilder();
+
+  /// The memory that the windows will take: about (m+2) slices of the finest level and a third.
+  static std::uint64_t window_bytes(const TreeShape& shape, VoxelType type);
+
+  /// The next slices, dimensions.x * dimensions.y voxels each. Voxels of type f32 must be finite.
+  Status push_slices(std::int64_t count, std::span<const std::byte> voxels);
+
+  /// Checks that every slice has come, and finishes the writer.
+  Status finish();
+
+  /// Bins of VolumeInfo::histogram.
+  static constexpr std::size_t kHistogramBins = 1024;
+
+ private:
+  template <typename Voxel>
+  struct Levels;
+
+  struct Steps {
+    virtual ~Steps() = default;
+    virtual Status push(std::int64_t count, std::span<const std::byte> voxels) = 0;
+    virtual Status finish() = 0;
+  };
+
+  std::unique_ptr<Steps> steps_;
+};
+
+}  // namespace gvx::store

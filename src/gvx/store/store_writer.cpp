@@ -1,0 +1,145 @@
+#include "gvx/store/store_writer.h"
+
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "gvx/store/codec.h"
+
+namespace gvx::store {
+
+StoreWriter::StoreWriter(std::string path, int descriptor, const TreeShape& shape)
+    : path_(std::move(path)),
+      partial_path_(path_ + ".partial"),
+      descriptor_(descriptor),
+      shape_(shape),
+      directory_(shape.pages_before(shape.levels)) {}
+
+StoreWriter::~StoreWriter() {
+  if (descriptor_ < 0) return;
+  unlink(partial_path_.c_str());
+  close(descriptor_);
+}
+
+Result<std::unique_ptr<StoreWriter>> StoreWriter::create(const std::string& path, const TreeShape& shape) {
+  const std::string partial = path + ".partial";
+  const int descriptor = open(partial.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor < 0) return Error{partial + ": cannot create: " + std::strerror(errno)};
+  // The lock tells a build that is running from one that was killed: the latter's remains are overwritten.
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    close(descriptor);
+    return Error{partial + ": another build is writing this file"};
+  }
+  if (ftruncate(descriptor, 0) != 0) {
+    const int reason = errno;
+    close(descriptor);
+    return Error{partial + ": cannot empty: " + std::strerror(reason)};
+  }
+  return std::unique_ptr<StoreWriter>(new StoreWriter(path, descriptor, shape));
+}
+
+Status StoreWriter::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return Error{partial_path_ + ": cannot write: " + std::strerror(errno)};
+    offset += static_cast<std::uint64_t>(written);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return {};
+}
+
+Status StoreWriter::append(std::span<const std::byte> bytes) {
+  GVX_TRY(write_at(end_, bytes));
+  end_ += bytes.size();
+  return {};
+}
+
+Result<NodeRecord> StoreWriter::add_brick(std::span<const std::byte> compressed, ValueRange range) {
+  const NodeRecord record{end_, static_cast<std::uint32_t>(compressed.size()),
+                          static_cast<std::uint32_t>(checksum(compressed)), range};
+  GVX_TRY(append(compressed));
+  return record;
+}
+
+Status StoreWriter::add_page_layer(std::uint32_t level, std::int64_t page_z, std::span<const NodeRecord> records) {
+  const Vec3i pages = shape_.level_pages(level);
+  const std::int64_t row = pages.x * kPageEdge, slice = row * pages.y * kPageEdge;
+  GVX_CHECK(static_cast<std::int64_t>(records.size()) == slice * kPageEdge);
+  std::vector<NodeRecord> page(kPageNodes);
+  std::vector<std::byte> compressed;
+  for (std::int64_t py = 0; py < pages.y; ++py) {
+    for (std::int64_t px = 0; px < pages.x; ++px) {
+      for (std::int64_t z = 0; z < kPageEdge; ++z) {
+        for (std::int64_t y = 0; y < kPageEdge; ++y) {
+          const auto from = records.begin() + z * slice + (py * kPageEdge + y) * row + px * kPageEdge;
+          std::copy(from, from + kPageEdge, page.begin() + (z * kPageEdge + y) * kPageEdge);
+        }
+      }
+      compress(Codec::zstd, sizeof(NodeRecord), std::as_bytes(std::span(page)), compressed);
+      const std::uint64_t index =
+          shape_.pages_before(level) + static_cast<std::uint64_t>((page_z * pages.y + py) * pages.x + px);
+      directory_[index] = {end_, static_cast<std::uint32_t>(compressed.size()),
+                           static_cast<std::uint32_t>(checksum(compressed))};
+      GVX_TRY(append(compressed));
+    }
+  }
+  return {};
+}
+
+Status StoreWriter::finish(const VolumeInfo& info) {
+  FileHeader header{};
+  header.magic = kMagic;
+  header.version = kVersion;
+  header.header_bytes = sizeof(FileHeader);
+  header.n = shape_.n;
+  header.m = shape_.m;
+  header.voxel_type = static_cast<std::uint32_t>(info.type);
+  header.codec = static_cast<std::uint32_t>(info.codec);
+  for (int axis = 0; axis < 3; ++axis) {
+    header.dimensions[axis] = static_cast<std::uint64_t>(shape_.dimensions[axis]);
+  }
+  header.levels = shape_.levels;
+  header.page_edge = kPageEdge;
+  for (int i = 0; i < 12; ++i) {
+    header.voxel_to_world[i] = i < 9 ? info.voxel_to_world.column[i / 3][i % 3] : info.voxel_to_world.origin[i % 3];
+  }
+  header.scale = info.scale;
+  header.offset = info.offset;
+  header.range = info.range;
+
+  const auto directory = std::as_bytes(std::span(directory_));
+  header.directory_offset = end_;
+  header.directory_bytes = directory.size();
+  header.directory_checksum = checksum(directory);
+  GVX_TRY(append(directory));
+
+  const nlohmann::json metadata = {
+      {"source", info.source}, {"anatomical", info.anatomical}, {"histogram", info.histogram}};
+  const std::string text = metadata.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const auto text_bytes = std::as_bytes(std::span(text));
+  header.metadata_offset = end_;
+  header.metadata_bytes = text.size();
+  header.metadata_checksum = checksum(text_bytes);
+  GVX_TRY(append(text_bytes));
+
+  header.file_bytes = end_;
+  const auto header_bytes = std::as_bytes(std::span(&header, 1));
+  header.header_checksum = checksum(header_bytes.first(offsetof(FileHeader, header_checksum)));
+  GVX_TRY(write_at(0, header_bytes));
+
+  if (fsync(descriptor_) != 0) return Error{partial_path_ + ": cannot write: " + std::strerror(errno)};
+  if (rename(partial_path_.c_str(), path_.c_str()) != 0) {
+    return Error{path_ + ": cannot name the finished file: " + std::strerror(errno)};
+  }
+  close(descriptor_);
+  descriptor_ = -1;
+  return {};
+}
+
+}  // namespace gvx::store

@@ -1,0 +1,50 @@
+/// \file
+/// StoreWriter puts bricks and index pages into a .gvx file. The file is written under the name PATH.partial and
+/// gets its own name when it is whole and on disk, so what is called PATH is always a finished store.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gvx/core/result.h"
+#include "gvx/store/format.h"
+
+namespace gvx::store {
+
+/// Not thread-safe: its caller decides the order of the bytes. Destroyed before finish(), it removes what it wrote.
+class StoreWriter {
+ public:
+  /// An error where the file cannot be made or another process is writing it.
+  static Result<std::unique_ptr<StoreWriter>> create(const std::string& path, const TreeShape& shape);
+  ~StoreWriter();
+  StoreWriter(const StoreWriter&) = delete;
+  StoreWriter& operator=(const StoreWriter&) = delete;
+
+  /// Appends a compressed brick; returns its record with this range.
+  Result<NodeRecord> add_brick(std::span<const std::byte> compressed, ValueRange range);
+
+  /// Appends the pages of one layer of pages of a level. `records`: pages_x*8 by pages_y*8 by 8 nodes, x fastest.
+  Status add_page_layer(std::uint32_t level, std::int64_t page_z, std::span<const NodeRecord> records);
+
+  /// Writes directory, metadata and header, waits for the disk, and gives the file its name.
+  Status finish(const VolumeInfo& info);
+
+  std::uint64_t bytes_written() const { return end_; }
+
+ private:
+  StoreWriter(std::string path, int descriptor, const TreeShape& shape);
+  Status append(std::span<const std::byte> bytes);
+  Status write_at(std::uint64_t offset, std::span<const std::byte> bytes);
+
+  std::string path_;
+  std::string partial_path_;
+  int descriptor_;
+  TreeShape shape_;
+  std::uint64_t end_ = sizeof(FileHeader);
+  std::vector<PageEntry> directory_;
+};
+
+}  // namespace gvx::store

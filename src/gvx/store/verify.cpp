@@ -1,0 +1,97 @@
+#include "gvx/store/verify.h"
+
+#include <algorithm>
+#include <mutex>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "gvx/store/store_reader.h"
+
+namespace gvx::store {
+namespace {
+
+std::string node_name(const NodeKey& key) {
+  return "node (level " + std::to_string(key.level) + ": " + std::to_string(key.x) + ", " + std::to_string(key.y) +
+         ", " + std::to_string(key.z) + ")";
+}
+
+bool within(ValueRange inner, ValueRange outer) {
+  return outer.minimum <= inner.minimum && inner.maximum <= outer.maximum;
+}
+
+/// Reads the node's brick and says whether each voxel lies in the record's range.
+Status check_node(const StoreReader& reader, const NodeKey& key, std::vector<std::byte>& voxels,
+                  VerifyReport& report) {
+  GVX_ASSIGN(const NodeRecord record, reader.node(key));
+  ValueRange above = reader.info().range;
+  if (key.level > 0) {
+    GVX_ASSIGN(const NodeRecord parent_record, reader.node(parent(key, static_cast<int>(reader.info().shape.n))));
+    above = parent_record.range;
+  }
+  if (!within(record.range, above)) {
+    return Error{reader.path() + ": corrupt: the range of " + node_name(key) + " is not within its parent's"};
+  }
+  ++report.nodes;
+  if (record.constant()) {
+    ++report.constant_nodes;
+    if (!record.range.constant()) {
+      return Error{reader.path() + ": corrupt: " + node_name(key) + " has a range but no brick"};
+    }
+    return {};
+  }
+  ++report.bricks;
+  GVX_TRY(reader.read_brick(key, record, voxels));
+  const bool sound = with_voxel_type(reader.info().type, [&](auto zero) {
+    using Voxel = decltype(zero);
+    const auto* first = reinterpret_cast<const Voxel*>(voxels.data());
+    return std::all_of(first, first + voxels.size() / sizeof(Voxel),
+                       [&](Voxel v) { return record.range.contains(static_cast<float>(v)); });
+  });
+  if (!sound) return Error{reader.path() + ": corrupt: a voxel of " + node_name(key) + " is outside its range"};
+  return {};
+}
+
+}  // namespace
+
+Result<VerifyReport> verify(const exec::Device& cpu, const std::string& path,
+                            const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+  GVX_ASSIGN(const auto reader, StoreReader::open(path));
+  const TreeShape& shape = reader->info().shape;
+  std::uint64_t all = 0;
+  for (std::uint32_t l = 0; l < shape.levels; ++l) {
+    const Vec3i nodes = shape.level_nodes(l);
+    all += static_cast<std::uint64_t>(nodes.x * nodes.y * nodes.z);
+  }
+  VerifyReport report;
+  Status status;
+  std::mutex mutex;
+  for (std::uint32_t l = 0; l < shape.levels && status.ok(); ++l) {
+    const Vec3i nodes = shape.level_nodes(l);
+    cpu.arena().execute([&] {
+      tbb::parallel_for(std::int64_t(0), nodes.y * nodes.z, [&](std::int64_t row) {
+        std::vector<std::byte> voxels(shape.brick_voxels() * voxel_bytes(reader->info().type));
+        VerifyReport of_row;
+        Status row_status;
+        for (std::int64_t x = 0; x < nodes.x && row_status.ok(); ++x) {
+          row_status = check_node(*reader,
+                                  {l, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(row % nodes.y),
+                                   static_cast<std::uint32_t>(row / nodes.y)},
+                                  voxels, of_row);
+        }
+        const std::lock_guard lock(mutex);
+        if (!row_status.ok() && status.ok()) status = row_status;
+        report.nodes += of_row.nodes;
+        report.bricks += of_row.bricks;
+        report.constant_nodes += of_row.constant_nodes;
+        if (progress) progress(report.nodes, all);
+      });
+    });
+  }
+  GVX_TRY(status);
+  report.bytes_read = reader->bytes_read();
+  return report;
+}
+
+}  // namespace gvx::store

@@ -1,0 +1,89 @@
+/// \file
+/// NodePool owns the resident part of an N3-tree. The N^3 children of a node stand together in a tile, the unit of
+/// its cache. Tile 0 holds the root, as its first node, and is never recycled. Nodes may share children and bricks:
+/// whoever recycles a slot has every pointer to it cleared, wherever it stands.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gvx/cache/usage_list.h"
+#include "gvx/core/index.h"
+#include "gvx/core/node_key.h"
+#include "gvx/core/voxel.h"
+#include "gvx/exec/buffer.h"
+#include "gvx/exec/device.h"
+#include "gvx/tree/node_words.h"
+
+namespace gvx::tree {
+
+/// What kernels descend.
+struct NodePoolView {
+  const ChildWord* child = nullptr;
+  const ContentWord* content = nullptr;
+  const ValueRange* range = nullptr;
+};
+
+/// What is known of a node before any of its voxels is.
+struct NodeInfo {
+  ValueRange range;       ///< of everything below it; a single value: the node is constant
+  bool terminal = false;  ///< there is nothing finer
+};
+
+class NodePool {
+ public:
+  /// A pool of `tiles` tiles of n^3 nodes, the root's among them.
+  NodePool(const exec::Device& device, std::uint32_t n, std::uint32_t tiles);
+
+  NodePoolView view() const { return {child_.view().data, content_.view().data, range_.view().data}; }
+  cache::UsageList& usage() { return usage_; }
+  const cache::UsageList& usage() const { return usage_; }
+  std::uint32_t tiles() const { return usage_.slots(); }
+  std::uint32_t nodes() const { return tiles() * nodes_per_tile_; }
+  std::uint32_t nodes_per_tile() const { return nodes_per_tile_; }
+  static NodeIndex root() { return NodeIndex(0); }
+
+  ChildWord child(NodeIndex node) const { return child_.view()[node.value]; }
+  ContentWord content(NodeIndex node) const { return content_.view()[node.value]; }
+  ValueRange range(NodeIndex node) const { return range_.view()[node.value]; }
+  TileIndex tile_of(NodeIndex node) const { return TileIndex(node.value / nodes_per_tile_); }
+  NodeIndex node_of(TileIndex tile, std::uint32_t child_index) const {
+    return NodeIndex(tile.value * nodes_per_tile_ + child_index);
+  }
+
+  /// Names the parent whose children a tile holds; not for tile 0.
+  void set_tile_parent(TileIndex tile, const NodeKey& parent);
+  const NodeKey& tile_parent(TileIndex tile) const { return tile_parent_[tile.value]; }
+
+  /// Writes a node afresh: no children, no brick; constant where its range is.
+  void reset_node(NodeIndex node, const NodeInfo& info, bool transparent);
+  void set_children(NodeIndex node, TileIndex children);
+  void set_content(NodeIndex node, ContentWord content);
+  /// Makes a node constant after all: its brick, once made, was of one value.
+  void set_constant(NodeIndex node, float value, bool transparent);
+
+  /// Clears every pointer to these tiles and bricks; `bricks` is the size of the brick pool.
+  void clear_pointers(std::span<const std::uint32_t> recycled_tiles, std::span<const std::uint32_t> recycled_bricks,
+                      std::uint32_t bricks);
+
+  /// Sets each node's transparent bit to `is_transparent(range)`.
+  template <typename Function>
+  void reclassify(Function is_transparent) {
+    for (std::uint32_t i = 0; i < nodes(); ++i) set_transparent(NodeIndex(i), is_transparent(range_.view()[i]));
+  }
+
+ private:
+  void set_transparent(NodeIndex node, bool transparent);
+
+  exec::Device device_;
+  std::uint32_t nodes_per_tile_;
+  exec::Buffer<ChildWord> child_;
+  exec::Buffer<ContentWord> content_;
+  exec::Buffer<ValueRange> range_;
+  exec::Buffer<std::uint32_t> tile_recycled_, brick_recycled_;
+  std::vector<NodeKey> tile_parent_;
+  cache::UsageList usage_;
+};
+
+}  // namespace gvx::tree
