@@ -30,8 +30,7 @@ if(NOT GVX_CUDA STREQUAL "OFF")
       set(CMAKE_CUDA_ARCHITECTURES 75)  # its PTX runs on every later GPU
     endif()
     enable_language(CUDA)
-    set(CMAKE_CUDA_STANDARD 20)
-    set(CMAKE_CUDA_STANDARD_REQUIRED ON)
+    string(APPEND CMAKE_CUDA_FLAGS " -std=c++20")  # CMake 3.25 does not know it as a CUDA_STANDARD
     find_package(CUDAToolkit REQUIRED)
     set(GVX_WITH_CUDA ON)
   elseif(GVX_CUDA STREQUAL "ON")

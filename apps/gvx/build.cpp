@@ -22,7 +22,8 @@ struct Options {
 };
 
 Status build(const Options& o) {
-  if (!o.force && std::filesystem::exists(o.output)) return Error{o.output + ": is there already (--force replaces it)"};
+  if (!o.force && std::filesystem::exists(o.output))
+    return Error{o.output + ": is there already (--force replaces it)"};
   const std::map<std::string, store::Codec> codecs = {
       {"zstd", store::Codec::zstd}, {"lz4", store::Codec::lz4}, {"none", store::Codec::none}};
   const std::map<std::string, VoxelType> types = {
@@ -38,15 +39,17 @@ Status build(const Options& o) {
   io::StoreBuildReport report;
   {
     Progress progress("building", "");
-    GVX_ASSIGN(report, io::build_store(exec::Device::cpu(o.threads), *volume, o.output, options,
-                                       [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
+    GVX_ASSIGN(report,
+               io::build_store(exec::Device::cpu(o.threads), *volume, o.output, options,
+                               [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
   }
   const Vec3i d = volume->description().dimensions;
   std::printf("%s: %lld x %lld x %lld voxels, %s\n", o.output.c_str(), static_cast<long long>(d.x),
-              static_cast<long long>(d.y), static_cast<long long>(d.z), bytes_text(report.bytes_written).c_str());
+              static_cast<long long>(d.y), static_cast<long long>(d.z),
+              bytes_text(report.bytes_written).c_str());
   if (report.not_finite > 0) {
-    std::fprintf(stderr, "gvx: %s: %llu samples are not finite numbers; they are stored as 0\n", o.input.c_str(),
-                 static_cast<unsigned long long>(report.not_finite));
+    std::fprintf(stderr, "gvx: %s: %llu samples are not finite numbers; they are stored as 0\n",
+                 o.input.c_str(), static_cast<unsigned long long>(report.not_finite));
   }
   if (report.rounded) {
     std::fprintf(stderr, "gvx: %s: %s samples are stored as f32, to 24 bits\n", o.input.c_str(),
@@ -60,7 +63,9 @@ Status build(const Options& o) {
 Command add_build(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("build", "Build a .gvx store from a volume file");
-  command->add_option("input", options->input, "RAW, NRRD, NIfTI-1 or MetaImage file; - reads raw samples from a pipe")
+  command
+      ->add_option("input", options->input,
+                   "RAW, NRRD, NIfTI-1 or MetaImage file; - reads raw samples from a pipe")
       ->required();
   command->add_option("-o,--output", options->output, "The store to write")->required();
   command->add_option("--brick", options->brick, "Voxels along an edge of a brick")
@@ -72,10 +77,14 @@ Command add_build(CLI::App& program) {
   command->add_option("--codec", options->codec, "Compression of bricks")
       ->check(CLI::IsMember({"zstd", "lz4", "none"}))
       ->capture_default_str();
-  command->add_option("--type", options->type, "Type of the voxels; without it as narrow as keeps 8 and 16 bits, else f32")
+  command
+      ->add_option("--type", options->type,
+                   "Type of the voxels; without it as narrow as keeps 8 and 16 bits, else f32")
       ->check(CLI::IsMember({"u8", "u16", "f32"}));
-  command->add_option("--memory", options->memory, "Bound of the memory that the build takes")->capture_default_str();
-  command->add_option("--threads", options->threads, "Threads; 0 takes all cores")->check(CLI::Range(0, 1024));
+  command->add_option("--memory", options->memory, "Bound of the memory that the build takes")
+      ->capture_default_str();
+  command->add_option("--threads", options->threads, "Threads; 0 takes all cores")
+      ->check(CLI::Range(0, 1024));
   command->add_flag("--force", options->force, "Replace OUT.gvx where it is there already");
   options->raw.add_to(*command);
   return [options] { return build(*options); };

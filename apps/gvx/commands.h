@@ -2,9 +2,8 @@
 /// The commands of the program. Each adds itself to the command line; what it returns is run after parsing.
 #pragma once
 
-#include <functional>
-
 #include <CLI/CLI.hpp>
+#include <functional>
 
 #include "gvx/core/result.h"
 

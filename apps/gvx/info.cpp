@@ -2,7 +2,6 @@
 
 #include <cstdio>
 #include <filesystem>
-
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
@@ -20,16 +19,20 @@ struct Options {
   RawFlags raw;
 };
 
-std::vector<double> list(Vec3d v) { return {v.x, v.y, v.z}; }
+std::vector<double> list(Vec3d v) {
+  return {v.x, v.y, v.z};
+}
 
 Vec3d spacing_of(const Affine3& voxel_to_world) {
-  return {length(voxel_to_world.column[0]), length(voxel_to_world.column[1]), length(voxel_to_world.column[2])};
+  return {length(voxel_to_world.column[0]), length(voxel_to_world.column[1]),
+          length(voxel_to_world.column[2])};
 }
 
 nlohmann::json describe_place(const Vec3i& dimensions, const Affine3& place, bool anatomical) {
   return {{"dimensions", {dimensions.x, dimensions.y, dimensions.z}},
           {"spacing", list(spacing_of(place))},
-          {"voxel_to_world", {list(place.column[0]), list(place.column[1]), list(place.column[2]), list(place.origin)}},
+          {"voxel_to_world",
+           {list(place.column[0]), list(place.column[1]), list(place.column[2]), list(place.origin)}},
           {"anatomical", anatomical}};
 }
 
@@ -40,7 +43,8 @@ Result<nlohmann::json> describe_store(const std::string& path) {
   std::error_code error;
   j["format"] = "gvx store, version " + std::to_string(store::kVersion);
   j["type"] = voxel_name(info.type);
-  j["value_range"] = {info.scale * info.range.minimum + info.offset, info.scale * info.range.maximum + info.offset};
+  j["value_range"] = {info.scale * info.range.minimum + info.offset,
+                      info.scale * info.range.maximum + info.offset};
   j["scale"] = info.scale;
   j["offset"] = info.offset;
   j["n"] = info.shape.n;
@@ -72,17 +76,20 @@ std::string joined(const nlohmann::json& list, const char* separator) {
 
 void print(const std::string& path, const nlohmann::json& j) {
   std::printf("%s\n", path.c_str());
-  const auto row = [](const char* name, const std::string& value) { std::printf("  %-12s %s\n", name, value.c_str()); };
+  const auto row = [](const char* name, const std::string& value) {
+    std::printf("  %-12s %s\n", name, value.c_str());
+  };
   row("format", j["format"]);
   row("voxels", joined(j["dimensions"], " x ") + " " + j["type"].get<std::string>());
-  row("spacing", joined(j["spacing"], ", ") + (j["anatomical"] ? " mm, patient space (x right, y front, z up)" : ""));
+  row("spacing",
+      joined(j["spacing"], ", ") + (j["anatomical"] ? " mm, patient space (x right, y front, z up)" : ""));
   if (j.contains("value_range")) row("values", joined(j["value_range"], " to "));
   if (j["scale"] != 1.0 || j["offset"] != 0.0) {
     row("physical", j["scale"].dump() + " * stored + " + j["offset"].dump());
   }
   if (j.contains("levels")) {
-    row("tree", j["levels"].dump() + " levels of N = " + j["n"].dump() + ", bricks of " + j["brick"].dump() + " voxels, " +
-                    j["codec"].get<std::string>());
+    row("tree", j["levels"].dump() + " levels of N = " + j["n"].dump() + ", bricks of " + j["brick"].dump() +
+                    " voxels, " + j["codec"].get<std::string>());
     row("source", j["source"]);
     row("file", bytes_text(j["file_bytes"]));
   } else {
@@ -95,13 +102,15 @@ void print(const std::string& path, const nlohmann::json& j) {
 Command add_info(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("info", "Say what is in a store or a volume file");
-  command->add_option("path", options->path, "A .gvx store, or a RAW, NRRD, NIfTI or MetaImage file")->required();
+  command->add_option("path", options->path, "A .gvx store, or a RAW, NRRD, NIfTI or MetaImage file")
+      ->required();
   command->add_flag("--json", options->json, "As JSON");
   options->raw.add_to(*command);
   return [options]() -> Status {
     GVX_ASSIGN(const bool store, is_store(options->path));
     GVX_ASSIGN(const io::RawOptions raw, options->raw.parse());
-    GVX_ASSIGN(const nlohmann::json j, store ? describe_store(options->path) : describe_volume(options->path, raw));
+    GVX_ASSIGN(const nlohmann::json j,
+               store ? describe_store(options->path) : describe_volume(options->path, raw));
     if (options->json) {
       std::printf("%s\n", j.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     } else {

@@ -1,13 +1,12 @@
-// gvx: one program, a command for each thing it does. Errors are one line on standard error and exit status 1; a
-// command line that cannot be understood is exit status 2.
+// gvx: one program, a command for each thing it does. Errors are one line on standard error and exit status
+// 1; a command line that cannot be understood is exit status 2.
 
+#include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <map>
 #include <new>
-
-#include <CLI/CLI.hpp>
 
 #include "commands.h"
 

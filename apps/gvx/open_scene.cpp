@@ -5,8 +5,8 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <filesystem>
+#include <fstream>
 
 #include <unistd.h>
 
@@ -46,8 +46,10 @@ class TemporaryFolder {
   std::string path_;
 };
 
-/// Builds a store that is open but has no name any more, so that nothing is left behind however the program ends.
-Result<std::unique_ptr<store::StoreReader>> build_nameless_store(const exec::Device& cpu, const std::string& path,
+/// Builds a store that is open but has no name any more, so that nothing is left behind however the program
+/// ends.
+Result<std::unique_ptr<store::StoreReader>> build_nameless_store(const exec::Device& cpu,
+                                                                 const std::string& path,
                                                                  const io::RawOptions& raw) {
   GVX_ASSIGN(const auto volume, io::open_volume(path, raw));
   GVX_ASSIGN(const auto folder, TemporaryFolder::create());
@@ -56,8 +58,9 @@ Result<std::unique_ptr<store::StoreReader>> build_nameless_store(const exec::Dev
   options.memory_bytes = 4ull << 30;
   Progress progress("building a temporary store (gvx build keeps it)", "");
   const std::string store_path = folder->path() + "/volume.gvx";
-  GVX_ASSIGN(const auto report, io::build_store(cpu, *volume, store_path, options,
-                                                [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
+  GVX_ASSIGN(const auto report,
+             io::build_store(cpu, *volume, store_path, options,
+                             [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
   (void)report;
   return store::StoreReader::open(store_path);
 }
@@ -117,7 +120,8 @@ Result<io::RawOptions> RawFlags::parse() const {
     if (!raw.type) return Error{"--dtype: '" + dtype_ + "' is not one of " + io::kSampleTypeNames};
   }
   if (!endian_.empty()) {
-    if (endian_ != "little" && endian_ != "big") return Error{"--endian: '" + endian_ + "' is not little or big"};
+    if (endian_ != "little" && endian_ != "big")
+      return Error{"--endian: '" + endian_ + "' is not little or big"};
     raw.big_endian = endian_ == "big";
   }
   if (!spacing_.empty()) {

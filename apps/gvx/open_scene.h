@@ -1,11 +1,11 @@
 /// \file
-/// From what is typed as SCENE to a producer: a store, another program's volume file, or a built-in scene by name.
+/// From what is typed as SCENE to a producer: a store, another program's volume file, or a built-in scene by
+/// name.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
-
-#include <CLI/CLI.hpp>
 
 #include "gvx/core/result.h"
 #include "gvx/exec/device.h"
@@ -24,7 +24,8 @@ struct Scene {
   std::string preset;
 };
 
-/// Opens SCENE. Another program's volume is built into a store in the temporary folder that goes when the program does.
+/// Opens SCENE. Another program's volume is built into a store in the temporary folder that goes when the
+/// program does.
 Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw);
 
 /// What a transfer function can fit itself to.

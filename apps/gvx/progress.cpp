@@ -30,8 +30,8 @@ void Progress::show(std::uint64_t done, std::uint64_t all) {
   const int filled = static_cast<int>(share * kWidth);
   const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
                           std::string(static_cast<std::size_t>(kWidth - filled), '.');
-  const std::string speed =
-      unit_.empty() ? bytes_text(static_cast<std::uint64_t>(rate)) : std::to_string(static_cast<long>(rate)) + " " + unit_;
+  const std::string speed = unit_.empty() ? bytes_text(static_cast<std::uint64_t>(rate))
+                                          : std::to_string(static_cast<long>(rate)) + " " + unit_;
   std::fprintf(stderr, "\r%s [%s] %3.0f%%  %s/s  %.0f s left\033[K", what_.c_str(), bar.c_str(), 100 * share,
                speed.c_str(), left);
   std::fflush(stderr);

@@ -1,5 +1,6 @@
 /// \file
-/// A progress bar with rate and time left, on standard error where that is a terminal and silent where it is not.
+/// A progress bar with rate and time left, on standard error where that is a terminal and silent where it is
+/// not.
 #pragma once
 
 #include <chrono>

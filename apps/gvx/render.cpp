@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
@@ -18,8 +17,8 @@ namespace gvx::app {
 namespace {
 
 struct Options {
-  std::string scene, output, size = "1024x1024", camera, function, budget, memory = "512M", device = "cpu", stats, clip,
-      background = "0,0,0";
+  std::string scene, output, size = "1024x1024", camera, function, budget, memory = "512M", device = "cpu",
+                             stats, clip, background = "0,0,0";
   int threads = 0, frames = 1;
   double samples = 2;
   bool exact = false, flat = false, finest = false, transparent = false, quiet = false;
@@ -48,7 +47,8 @@ Result<render::View> make_view(const Options& o, const Scene& scene) {
   view.height = size.height;
   GVX_ASSIGN(view.function, open_function(o, scene));
   const produce::TreeDescription& tree = scene.producer->description();
-  view.camera = scene::frame_box(tree.extent, tree.tree_to_world, tree.anatomical, double(size.width) / size.height);
+  view.camera =
+      scene::frame_box(tree.extent, tree.tree_to_world, tree.anatomical, double(size.width) / size.height);
   if (!o.camera.empty()) {
     GVX_ASSIGN(view.camera, scene::parse_camera(o.camera, view.camera));
   }
@@ -113,8 +113,8 @@ Status render(const Options& o) {
     GVX_TRY(io::write_file_atomically(o.stats, std::as_bytes(std::span(text))));
   }
   if (o.quiet) return {};
-  std::printf("%s: %ux%u in %.0f ms on %s, %llu bricks made, %llu resident, %s\n", o.output.c_str(), view.width,
-              view.height, statistics.frame_milliseconds, device.name().c_str(),
+  std::printf("%s: %ux%u in %.0f ms on %s, %llu bricks made, %llu resident, %s\n", o.output.c_str(),
+              view.width, view.height, statistics.frame_milliseconds, device.name().c_str(),
               static_cast<unsigned long long>(statistics.bricks_produced),
               static_cast<unsigned long long>(statistics.bricks_resident),
               statistics.converged ? "exact"
@@ -130,15 +130,18 @@ Status render(const Options& o) {
 Command add_render(CLI::App& program) {
   auto o = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("render", "Render a picture of a scene");
-  command->add_option("scene", o->scene, "A .gvx store, a volume file (see gvx build), or sponge")->required();
+  command->add_option("scene", o->scene, "A .gvx store, a volume file (see gvx build), or sponge")
+      ->required();
   command->add_option("-o,--output", o->output, "The picture to write, .png or .exr")->required();
   command->add_option("--size", o->size, "Of the picture, WxH")->capture_default_str();
-  command->add_option("--camera", o->camera,
-                      "eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees in world space, or height=world for an orthographic "
-                      "one; parts that are left out are as without this flag: all of the scene framed");
-  command->add_option("--tf", o->function,
-                      "Transfer function: a ParaView JSON colour map, or a preset: ct-bone ct-skin ct-tissue gray solid; "
-                      "without it a preset that suits the values");
+  command->add_option(
+      "--camera", o->camera,
+      "eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees in world space, or height=world for an orthographic "
+      "one; parts that are left out are as without this flag: all of the scene framed");
+  command->add_option(
+      "--tf", o->function,
+      "Transfer function: a ParaView JSON colour map, or a preset: ct-bone ct-skin ct-tissue gray solid; "
+      "without it a preset that suits the values");
   CLI::Option* exact = command->add_flag("--exact", o->exact, "Until no ray lacks anything (the default)");
   command->add_option("--budget", o->budget, "Render for this long instead, such as 33ms")->excludes(exact);
   command->add_option("--frames", o->frames, "With --budget: as many such frames of the resting camera")
@@ -149,7 +152,8 @@ Command add_render(CLI::App& program) {
       ->check(CLI::IsMember({"cpu", "cuda"}))
       ->capture_default_str();
   command->add_option("--stats", o->stats, "Write statistics to this JSON file");
-  command->add_option("--clip", o->clip, "Show only this box, X0,Y0,Z0,X1,Y1,Z1 in fractions of the volume's");
+  command->add_option("--clip", o->clip,
+                      "Show only this box, X0,Y0,Z0,X1,Y1,Z1 in fractions of the volume's");
   command->add_option("--background", o->background, "Red,green,blue, 0 to 1")->capture_default_str();
   command->add_flag("--transparent", o->transparent, "Keep the picture's alpha instead of a background");
   command->add_flag("--flat", o->flat, "Without shading");

@@ -45,7 +45,8 @@ Result<std::uint64_t> parse_bytes(const std::string& text) {
       shift = bits;
     }
   };
-  for (const auto& [letter, bits] : {std::pair('K', 10), std::pair('M', 20), std::pair('G', 30), std::pair('T', 40)}) {
+  for (const auto& [letter, bits] :
+       {std::pair('K', 10), std::pair('M', 20), std::pair('G', 30), std::pair('T', 40)}) {
     const std::string upper(1, letter), lower(1, static_cast<char>(letter + 32));
     for (const std::string& s : {upper, lower}) {
       strip(s + "iB", bits);
@@ -54,7 +55,8 @@ Result<std::uint64_t> parse_bytes(const std::string& text) {
     }
   }
   const auto value = parse<double>(digits);
-  if (!value || !(*value > 0) || *value * std::exp2(shift) >= 0x1p62) return bad(text, "a size such as 512M or 2G");
+  if (!value || !(*value > 0) || *value * std::exp2(shift) >= 0x1p62)
+    return bad(text, "a size such as 512M or 2G");
   return static_cast<std::uint64_t>(*value * std::exp2(shift));
 }
 

@@ -20,11 +20,13 @@ Command add_verify(CLI::App& program) {
     store::VerifyReport report;
     {
       Progress progress("verifying", "nodes");
-      GVX_ASSIGN(report, store::verify(exec::Device::cpu(*threads), *path,
-                                       [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
+      GVX_ASSIGN(report,
+                 store::verify(exec::Device::cpu(*threads), *path,
+                               [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
     }
     std::printf("%s: sound: %llu bricks and %llu constant nodes, %s read\n", path->c_str(),
-                static_cast<unsigned long long>(report.bricks), static_cast<unsigned long long>(report.constant_nodes),
+                static_cast<unsigned long long>(report.bricks),
+                static_cast<unsigned long long>(report.constant_nodes),
                 bytes_text(report.bytes_read).c_str());
     return {};
   };

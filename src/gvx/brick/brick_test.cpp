@@ -11,7 +11,9 @@ namespace gvx::brick {
 namespace {
 
 /// Linear in each coordinate, so trilinear sampling reproduces it.
-float field(Vec3f p) { return 3 + 2 * p.x - p.y + 0.5f * p.z + 0.25f * p.x * p.y - 0.125f * p.y * p.z; }
+float field(Vec3f p) {
+  return 3 + 2 * p.x - p.y + 0.5f * p.z + 0.25f * p.x * p.y - 0.125f * p.y * p.z;
+}
 
 template <int M>
 std::vector<float> field_brick() {
@@ -28,8 +30,8 @@ std::vector<float> field_brick() {
 
 template <typename T>
 class Sample : public testing::Test {};
-using BrickSizes =
-    testing::Types<std::integral_constant<int, 8>, std::integral_constant<int, 16>, std::integral_constant<int, 32>>;
+using BrickSizes = testing::Types<std::integral_constant<int, 8>, std::integral_constant<int, 16>,
+                                  std::integral_constant<int, 32>>;
 TYPED_TEST_SUITE(Sample, BrickSizes);
 
 TYPED_TEST(Sample, reproduces_a_trilinear_field_and_its_gradient_up_to_the_faces) {

@@ -1,6 +1,6 @@
 /// \file
-/// Sampling of one brick: trilinear values and their gradient. Positions are in voxels from the brick's low corner,
-/// 0 to M; a position outside that by rounding is held at the border.
+/// Sampling of one brick: trilinear values and their gradient. Positions are in voxels from the brick's low
+/// corner, 0 to M; a position outside that by rounding is held at the border.
 #pragma once
 
 #include "gvx/brick/brick_layout.h"
@@ -45,7 +45,8 @@ GVX_HD inline float sample(const Voxel* voxels, Vec3f position) {
   return trilinear<M>(voxels, TexelAxis<M>(position.x), TexelAxis<M>(position.y), TexelAxis<M>(position.z));
 }
 
-/// The gradient per voxel by central differences of half a voxel: continuous, and the same on both sides of a face.
+/// The gradient per voxel by central differences of half a voxel: continuous, and the same on both sides of a
+/// face.
 template <int M, typename Voxel>
 GVX_HD inline Vec3f gradient(const Voxel* voxels, Vec3f position) {
   const TexelAxis<M> x(position.x), y(position.y), z(position.z);

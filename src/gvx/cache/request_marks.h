@@ -1,6 +1,6 @@
 /// \file
-/// RequestMarks: one word per node in which rays say what they lack there. The only thing, beside usage stamps, that
-/// flows back from rendering (GPU Pro text, 3.6.4).
+/// RequestMarks: one word per node in which rays say what they lack there. The only thing, beside usage
+/// stamps, that flows back from rendering (GPU Pro text, 3.6.4).
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,9 @@ inline constexpr std::uint32_t kNeedsChildren = 2;
 struct RequestView {
   std::uint32_t* marks = nullptr;
 
-  /// `gain`, 0 to 1, says how much the picture would gain: the ray's transmittance. Without atomics, so of many
-  /// writers one with about the greatest gain wins; a kind that loses is asked for again in the next pass.
+  /// `gain`, 0 to 1, says how much the picture would gain: the ray's transmittance. Without atomics, so of
+  /// many writers one with about the greatest gain wins; a kind that loses is asked for again in the next
+  /// pass.
   GVX_HD void request(NodeIndex node, std::uint32_t kinds, float gain) const {
     const std::uint32_t mark = kinds | (1 + static_cast<std::uint32_t>(gain * 1023.0f)) << 2;
     std::uint32_t* word = marks + node.value;

@@ -1,7 +1,8 @@
 /// \file
-/// UsageList: which slots of a pool were used when, and so which to give away first. It knows slots, not what is in
-/// them. Rays stamp the slots that they touch with the number of their pass; after the pass one order-preserving
-/// partition moves the stamped slots behind the others, and that is the whole LRU (GPU Pro text, 3.6.2).
+/// UsageList: which slots of a pool were used when, and so which to give away first. It knows slots, not what
+/// is in them. Rays stamp the slots that they touch with the number of their pass; after the pass one
+/// order-preserving partition moves the stamped slots behind the others, and that is the whole LRU (GPU Pro
+/// text, 3.6.2).
 #pragma once
 
 #include <cstdint>
@@ -34,7 +35,8 @@ class UsageList {
   /// Slots that can be given away.
   std::uint32_t givable() const { return static_cast<std::uint32_t>(order_.size()); }
 
-  /// Moves the slots stamped `pass` behind the others, both in their old order; returns how many others there are.
+  /// Moves the slots stamped `pass` behind the others, both in their old order; returns how many others there
+  /// are.
   std::uint32_t order_by_use(std::uint32_t pass);
 
   /// Gives the `count` oldest slots to new content: they become the newest, in order.

@@ -33,7 +33,8 @@ TEST(UsageList, agrees_with_a_list_that_is_kept_by_hand) {
       used[slot] = true;
       list.view().touch(slot, pass);
     }
-    const auto middle = std::stable_partition(model.begin(), model.end(), [&](auto slot) { return !used[slot]; });
+    const auto middle =
+        std::stable_partition(model.begin(), model.end(), [&](auto slot) { return !used[slot]; });
     ASSERT_EQ(list.order_by_use(pass), static_cast<std::uint32_t>(middle - model.begin()));
     const std::uint32_t count = random() % (slots + 1);
     ASSERT_EQ(list.take_oldest(count), std::vector<std::uint32_t>(model.begin(), model.begin() + count));

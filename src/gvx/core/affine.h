@@ -22,7 +22,9 @@ struct Affine3 {
 };
 
 /// The signed volume of the unit cube's image; zero means that there is no inverse.
-inline double determinant(const Affine3& a) { return dot(a.column[0], cross(a.column[1], a.column[2])); }
+inline double determinant(const Affine3& a) {
+  return dot(a.column[0], cross(a.column[1], a.column[2]));
+}
 
 /// a after b: p goes to a.point(b.point(p)).
 inline Affine3 operator*(const Affine3& a, const Affine3& b) {
@@ -42,6 +44,8 @@ inline Affine3 inverse(const Affine3& a) {
 }
 
 /// Scales the axes of the source space: p goes to p*s.
-inline Affine3 scaling(Vec3d s) { return {{{s.x, 0, 0}, {0, s.y, 0}, {0, 0, s.z}}, {}}; }
+inline Affine3 scaling(Vec3d s) {
+  return {{{s.x, 0, 0}, {0, s.y, 0}, {0, 0, s.z}}, {}};
+}
 
 }  // namespace gvx

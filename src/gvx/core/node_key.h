@@ -11,8 +11,8 @@
 
 namespace gvx {
 
-/// Node (x, y, z) of the N^level nodes along each axis of `level`; the root is {0, 0, 0, 0}. 32 bits an axis, so
-/// 2^32 nodes across at any N (the GPU Pro text, 3.6.6, packs its localization code into 10 bits an axis).
+/// Node (x, y, z) of the N^level nodes along each axis of `level`; the root is {0, 0, 0, 0}. 32 bits an axis,
+/// so 2^32 nodes across at any N (the GPU Pro text, 3.6.6, packs its localization code into 10 bits an axis).
 struct NodeKey {
   std::uint32_t level = 0;
   std::uint32_t x = 0, y = 0, z = 0;
@@ -24,7 +24,8 @@ struct NodeKey {
 GVX_HD inline NodeKey child(const NodeKey& parent, int n, int index) {
   const auto nn = static_cast<std::uint32_t>(n);
   const auto i = static_cast<std::uint32_t>(index);
-  return {parent.level + 1, parent.x * nn + i % nn, parent.y * nn + i / nn % nn, parent.z * nn + i / (nn * nn)};
+  return {parent.level + 1, parent.x * nn + i % nn, parent.y * nn + i / nn % nn,
+          parent.z * nn + i / (nn * nn)};
 }
 
 /// The node of the level above that contains this one; not for the root.

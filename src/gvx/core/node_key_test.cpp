@@ -1,8 +1,8 @@
 #include "gvx/core/node_key.h"
 
-#include <gtest/gtest.h>
-
 #include <unordered_set>
+
+#include <gtest/gtest.h>
 
 namespace gvx {
 namespace {

@@ -43,7 +43,8 @@ inline Box3d intersect(const Box3d& a, const Box3d& b) {
   return both;
 }
 
-/// The part of [t_min, t_max] that is inside the box, by the slab method; a ray in the plane of a face is inside.
+/// The part of [t_min, t_max] that is inside the box, by the slab method; a ray in the plane of a face is
+/// inside.
 GVX_HD inline RayInterval intersect(const Ray& ray, const Box3d& box, double t_min, double t_max) {
   RayInterval inside{t_min, t_max};
   for (int axis = 0; axis < 3; ++axis) {

@@ -1,6 +1,6 @@
 /// \file
-/// Result<T>: a value, or an Error that says in one line what went wrong. Whatever the outside world can cause
-/// (files, networks, arguments, missing devices) is returned this way; broken invariants are GVX_CHECK.
+/// Result<T>: a value, or an Error that says in one line what went wrong. Whatever the outside world can
+/// cause (files, networks, arguments, missing devices) is returned this way; broken invariants are GVX_CHECK.
 #pragma once
 
 #include <optional>
@@ -68,17 +68,17 @@ using Status = Result<void>;
 #define GVX_CONCAT(a, b) GVX_CONCAT_INNER(a, b)
 
 /// Returns the error of a Status-valued expression to the caller, if it has one.
-#define GVX_TRY(expression)                                                 \
-  do {                                                                      \
-    if (auto gvx_status = (expression); !gvx_status.ok()) {                 \
-      return ::gvx::Error(gvx_status.error());                              \
-    }                                                                       \
+#define GVX_TRY(expression)                                 \
+  do {                                                      \
+    if (auto gvx_status = (expression); !gvx_status.ok()) { \
+      return ::gvx::Error(gvx_status.error());              \
+    }                                                       \
   } while (false)
 
 /// Declares `declaration` with the value of a Result-valued expression, or returns its error to the caller.
 #define GVX_ASSIGN(declaration, expression) \
   GVX_ASSIGN_IMPL(GVX_CONCAT(gvx_result_, __LINE__), declaration, expression)
-#define GVX_ASSIGN_IMPL(result, declaration, expression)      \
-  auto result = (expression);                                 \
-  if (!result.ok()) return ::gvx::Error(result.error());      \
+#define GVX_ASSIGN_IMPL(result, declaration, expression) \
+  auto result = (expression);                            \
+  if (!result.ok()) return ::gvx::Error(result.error()); \
   declaration = std::move(result).value()

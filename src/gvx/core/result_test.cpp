@@ -22,7 +22,9 @@ TEST(Result, carries_values_and_errors) {
   EXPECT_EQ(quarter(6).error().message, "odd");
 }
 
-TEST(ResultDeathTest, value_of_an_error_aborts) { EXPECT_DEATH((void)half(1).value(), "internal error"); }
+TEST(ResultDeathTest, value_of_an_error_aborts) {
+  EXPECT_DEATH((void)half(1).value(), "internal error");
+}
 
 }  // namespace
 }  // namespace gvx

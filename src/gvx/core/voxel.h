@@ -24,9 +24,12 @@ inline const char* voxel_name(VoxelType type) {
 template <typename Function>
 decltype(auto) with_voxel_type(VoxelType type, Function&& function) {
   switch (type) {
-    case VoxelType::u8: return function(std::uint8_t{});
-    case VoxelType::u16: return function(std::uint16_t{});
-    case VoxelType::f32: break;
+    case VoxelType::u8:
+      return function(std::uint8_t{});
+    case VoxelType::u16:
+      return function(std::uint16_t{});
+    case VoxelType::f32:
+      break;
   }
   return function(float{});
 }

@@ -17,8 +17,12 @@ constexpr double kRefreshShare = 0.4;
 constexpr int kCudaProducers = 8;
 
 render::TreePlacement placement_of(const produce::TreeDescription& tree) {
-  return {static_cast<int>(tree.n), static_cast<int>(tree.m), static_cast<int>(tree.max_level),
-          tree.tree_to_world,       tree.extent,              tree.scale,
+  return {static_cast<int>(tree.n),
+          static_cast<int>(tree.m),
+          static_cast<int>(tree.max_level),
+          tree.tree_to_world,
+          tree.extent,
+          tree.scale,
           tree.offset};
 }
 
@@ -93,18 +97,19 @@ render::Pass Engine::pass() {
   return pass;
 }
 
-/// Marches the first `tiles` unfinished tiles and strikes out those that are finished; returns whether none was cut off
-/// by the deadline.
+/// Marches the first `tiles` unfinished tiles and strikes out those that are finished; returns whether none
+/// was cut off by the deadline.
 bool Engine::exact_pass(std::size_t tiles, exec::Deadline deadline) {
   ++statistics_.passes;
   tiles = std::min(tiles, unfinished_tiles_.size());
   std::copy_n(unfinished_tiles_.begin(), tiles, tile_list_.view().begin());
   for (std::size_t i = 0; i < tiles; ++i) tile_flags_.view()[unfinished_tiles_[i]] = 0;
-  const bool whole = render::march_exact(device_, pass(), film_->grid(), {tile_list_.view().data, tiles}, deadline,
-                                         film_->rays(), tile_flags_.view());
+  const bool whole = render::march_exact(device_, pass(), film_->grid(), {tile_list_.view().data, tiles},
+                                         deadline, film_->rays(), tile_flags_.view());
   if (!whole) return false;
   const auto first = unfinished_tiles_.begin(), last = first + static_cast<std::ptrdiff_t>(tiles);
-  const auto kept = std::remove_if(first, last, [&](std::uint32_t tile) { return tile_flags_.view()[tile] == 0; });
+  const auto kept =
+      std::remove_if(first, last, [&](std::uint32_t tile) { return tile_flags_.view()[tile] == 0; });
   unfinished_tiles_.erase(kept, last);
   return true;
 }
@@ -119,15 +124,16 @@ Status Engine::render_exact() {
     exact_pass(window, exec::no_deadline());                      // render
     std::vector<produce::Job> jobs = residency_.collect(stamp_);  // collect
     statistics_.requests += residency_.requested();
-    // Where rays want more than there is room for, fewer run at a time; where even one tile of them does, what is in
-    // use is pushed out: they have passed it.
+    // Where rays want more than there is room for, fewer run at a time; where even one tile of them does,
+    // what is in use is pushed out: they have passed it.
     const bool crowded = residency_.limit_to_room(jobs, eviction);
     eviction = crowded && jobs.empty() && window == 1 ? Eviction::any : Eviction::unused;
-    window = crowded ? std::max<std::size_t>(1, window / 2) : std::min<std::size_t>(window + window / 4 + 1, film_->grid().tiles());
+    window = crowded ? std::max<std::size_t>(1, window / 2)
+                     : std::min<std::size_t>(window + window / 4 + 1, film_->grid().tiles());
     queue_.replace(jobs);
     while (!queue_.idle()) {
-      queue_.wait();                       // produce
-      GVX_TRY(take_finished(eviction));    // evict, commit
+      queue_.wait();                     // produce
+      GVX_TRY(take_finished(eviction));  // evict, commit
     }
   }
   end_frame();
@@ -168,13 +174,13 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
       frame_start_ + std::chrono::duration_cast<std::chrono::nanoseconds>(budget * kRefreshShare);
   while (!unfinished_tiles_.empty() && Clock::now() < deadline) {
     const bool refreshing = preview_.block == 1 && !preview_.refine;
-    preview_pass(refreshing ? refresh_deadline : deadline);                               // render
+    preview_pass(refreshing ? refresh_deadline : deadline);  // render
     if (preview_.complete || refreshing) exact_pass(unfinished_tiles_.size(), deadline);
-    queue_.replace(residency_.collect(stamp_));                                           // collect
+    queue_.replace(residency_.collect(stamp_));  // collect
     statistics_.requests += residency_.requested();
     while (!unfinished_tiles_.empty() && !queue_.idle() && Clock::now() < deadline) {
-      queue_.wait_until(deadline);                                                        // produce
-      GVX_TRY(take_finished(Eviction::unused));                                           // evict, commit
+      queue_.wait_until(deadline);               // produce
+      GVX_TRY(take_finished(Eviction::unused));  // evict, commit
     }
   }
   end_frame();
@@ -184,8 +190,10 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
 Status Engine::take_finished(Eviction eviction) {
   std::vector<produce::Produced> made = queue_.take_finished();
   if (made.empty()) return {};
-  statistics_.bricks_produced += static_cast<std::uint64_t>(std::count_if(
-      made.begin(), made.end(), [](const produce::Produced& p) { return p.job.kind == produce::JobKind::brick; }));
+  statistics_.bricks_produced +=
+      static_cast<std::uint64_t>(std::count_if(made.begin(), made.end(), [](const produce::Produced& p) {
+        return p.job.kind == produce::JobKind::brick;
+      }));
   GVX_ASSIGN(const CommitCounts counts, residency_.commit(std::move(made), eviction));
   statistics_.bricks_evicted += counts.bricks_evicted;
   data_came_ = data_came_ || counts.committed > 0;
@@ -198,7 +206,8 @@ void Engine::begin_frame() {
 }
 
 void Engine::end_frame() {
-  statistics_.frame_milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - frame_start_).count();
+  statistics_.frame_milliseconds =
+      std::chrono::duration<double, std::milli>(Clock::now() - frame_start_).count();
 }
 
 Statistics Engine::statistics() const {

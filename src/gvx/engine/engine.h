@@ -1,6 +1,7 @@
 /// \file
-/// Engine: the loop that ties the house together. Rays render and mark; marks become jobs; producers make bricks; room
-/// is found; nodes are linked; and again, until no ray lacks anything (exact) or the time is over (budget).
+/// Engine: the loop that ties the house together. Rays render and mark; marks become jobs; producers make
+/// bricks; room is found; nodes are linked; and again, until no ray lacks anything (exact) or the time is
+/// over (budget).
 #pragma once
 
 #include <chrono>
@@ -33,15 +34,16 @@ class Engine {
                                                 std::shared_ptr<const produce::Producer> producer,
                                                 const EngineOptions& options);
 
-  /// Says what to look at; an error where the view cannot be made. What was rendered is dropped if anything changed.
+  /// Says what to look at; an error where the view cannot be made. What was rendered is dropped if anything
+  /// changed.
   Status look(const render::View& view);
 
   /// Renders until no ray lacks anything. The picture is the same for every cache size and number of threads.
   Status render_exact();
 
-  /// Renders for this long: first a preview of what is resident, coarse blocks of pixels first, then exact rays; what
-  /// producers finish meanwhile is taken in. Called again without a change of view it goes on, until the picture is
-  /// the exact one.
+  /// Renders for this long: first a preview of what is resident, coarse blocks of pixels first, then exact
+  /// rays; what producers finish meanwhile is taken in. Called again without a change of view it goes on,
+  /// until the picture is the exact one.
   Status render_for(std::chrono::nanoseconds budget);
 
   render::Picture picture() const;

@@ -1,6 +1,7 @@
 #include "gvx/engine/residency.h"
 
 #include <algorithm>
+#include <unordered_set>
 #include <array>
 
 namespace gvx::engine {
@@ -18,7 +19,8 @@ Result<PoolSizes> PoolSizes::fitting(std::uint64_t memory_bytes, const produce::
   }
   const std::uint64_t there_are = tree.bricks > 0 ? tree.bricks + 1 : kMostBricks;
   const std::uint64_t bricks = std::min({fit, there_are, kMostBricks});
-  // Every resident brick hangs on a path of tiles; most of a path is shared, and transparent nodes take room too.
+  // Every resident brick hangs on a path of tiles; most of a path is shared, and transparent nodes take room
+  // too.
   const std::uint64_t tiles = std::min(std::clamp(bricks, kFewestTiles, kMostTiles), there_are + 64);
   return PoolSizes{static_cast<std::uint32_t>(tiles), static_cast<std::uint32_t>(bricks)};
 }
@@ -69,7 +71,8 @@ NodeKey Residency::key_of(NodeIndex node) const {
   const TileIndex tile = nodes_.tile_of(node);
   if (tile.value == 0) return NodeKey{};
   const int index = static_cast<int>(node.value - nodes_.node_of(tile, 0).value);
-  return producer_.canonical(child(nodes_.tile_parent(tile), static_cast<int>(producer_.description().n), index));
+  return producer_.canonical(
+      child(nodes_.tile_parent(tile), static_cast<int>(producer_.description().n), index));
 }
 
 void Residency::link(NodeIndex node, const Job& job) {
@@ -184,7 +187,9 @@ Result<CommitCounts> Residency::commit(std::vector<Produced> made, Eviction evic
   CommitCounts counts;
   std::vector<const Produced*> tiles, bricks;
   Status failed;
+  std::unordered_set<Job, produce::JobHash> seen;
   for (const Produced& p : made) {
+    if (!seen.insert(p.job).second) continue;
     if (!p.status.ok()) {
       if (failed.ok()) failed = p.status;
       continue;
@@ -248,9 +253,9 @@ void Residency::check_invariants() const {
   }
   GVX_CHECK(static_cast<std::size_t>(std::count(tile_occupied_.begin(), tile_occupied_.end(), true)) ==
             tile_of_.size());
-  GVX_CHECK(static_cast<std::size_t>(std::count_if(brick_owner_.begin(), brick_owner_.end(), [](const BrickOwner& o) {
-              return o.occupied;
-            })) == brick_of_.size());
+  GVX_CHECK(static_cast<std::size_t>(std::count_if(brick_owner_.begin(), brick_owner_.end(),
+                                                   [](const BrickOwner& o) { return o.occupied; })) ==
+            brick_of_.size());
   for (std::uint32_t i = 0; i < nodes_.nodes(); ++i) {
     const NodeIndex node(i);
     const TileIndex tile = nodes_.tile_of(node);

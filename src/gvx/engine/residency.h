@@ -1,6 +1,6 @@
 /// \file
-/// Residency: which part of the tree is in memory. It turns the marks of rays into jobs for producers, and commits what
-/// producers made: finds room, clears every pointer to what had that room, and links the new.
+/// Residency: which part of the tree is in memory. It turns the marks of rays into jobs for producers, and
+/// commits what producers made: finds room, clears every pointer to what had that room, and links the new.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,8 @@ struct PoolSizes {
   std::uint32_t tiles = 0;
   std::uint32_t bricks = 0;
 
-  /// Bricks for this much memory, but no more than the tree has, and tiles to match; an error where not even two fit.
+  /// Bricks for this much memory, but no more than the tree has, and tiles to match; an error where not even
+  /// two fit.
   static Result<PoolSizes> fitting(std::uint64_t memory_bytes, const produce::TreeDescription& tree);
 };
 
@@ -50,8 +51,8 @@ class Residency {
   /// Makes the root's brick where a preview would have nothing else to show.
   Status plant_root_brick();
 
-  /// The function that says which nodes are transparent; it must live until the next call. Where it is another than
-  /// before, and not only at another address, the resident nodes are reclassified.
+  /// The function that says which nodes are transparent; it must live until the next call. Where it is
+  /// another than before, and not only at another address, the resident nodes are reclassified.
   void set_function(const scene::TransferView& function, bool another);
 
   const tree::NodePool& nodes() const { return nodes_; }
@@ -60,8 +61,8 @@ class Residency {
   cache::UsageView brick_usage() { return bricks_.usage().view(); }
   cache::RequestView requests() { return marks_.view(); }
 
-  /// After a pass: orders both caches by use, and returns what its rays lack, the most urgent first, each once. What is
-  /// resident under another name is linked at once.
+  /// After a pass: orders both caches by use, and returns what its rays lack, the most urgent first, each
+  /// once. What is resident under another name is linked at once.
   std::vector<produce::Job> collect(std::uint32_t pass);
 
   /// Drops jobs, from the back, that commit() would have no room for; returns whether there were any.

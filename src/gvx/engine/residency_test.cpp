@@ -1,0 +1,197 @@
+// Model-based: random sequences of uses, requests, commits, evictions and changes of function must keep every
+// invariant of tree and caches, with and without shared sub-trees.
+
+#include "gvx/engine/residency.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <random>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "gvx/produce/field_producer.h"
+#include "gvx/produce/sponge_producer.h"
+
+namespace gvx::engine {
+namespace {
+
+using produce::Job;
+using produce::JobKind;
+using produce::Produced;
+
+/// A ramp along x whose right part is one value.
+std::shared_ptr<const produce::Producer> ramp(std::uint32_t n) {
+  produce::TreeDescription tree;
+  tree.n = n;
+  tree.m = 8;
+  tree.max_level = 4;
+  return std::make_shared<produce::FieldProducer>(
+      tree, [](Vec3d p) { return static_cast<float>(std::min(p.x, 0.7)); },
+      [](const Box3d& b) {
+        return ValueRange{static_cast<float>(std::min(b.minimum.x, 0.7)),
+                          static_cast<float>(std::min(b.maximum.x, 0.7))};
+      });
+}
+
+/// The eight octants of the cube are one another's copies: N = 2 with instancing on the first level.
+class Repeated final : public produce::Producer {
+ public:
+  Repeated() : below_(ramp(2)) {}
+  const produce::TreeDescription& description() const override { return below_->description(); }
+  NodeKey canonical(const NodeKey& key) const override {
+    if (key.level == 0) return key;
+    const std::uint32_t across = 1u << (key.level - 1);
+    return {key.level, key.x % across, key.y % across, key.z % across};
+  }
+  Status describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const override {
+    return below_->describe(keys, infos);
+  }
+  Status produce(const NodeKey& key, std::span<std::byte> voxels) const override {
+    return below_->produce(key, voxels);
+  }
+
+ private:
+  std::shared_ptr<const produce::Producer> below_;
+};
+
+Produced make(const produce::Producer& producer, const Job& job) {
+  Produced made{job, {}, {}, {}, {}, {}};
+  if (job.kind == JobKind::brick) {
+    made.voxels.resize(producer.description().brick_bytes());
+    made.status = producer.produce(job.key, made.voxels);
+  } else {
+    const int n = static_cast<int>(producer.description().n);
+    for (int i = 0; i < n * n * n; ++i) made.child_keys.push_back(producer.canonical(child(job.key, n, i)));
+    made.children.resize(made.child_keys.size());
+    made.status = producer.describe(made.child_keys, made.children);
+  }
+  return made;
+}
+
+struct Case {
+  const char* name;
+  std::shared_ptr<const produce::Producer> (*producer)();
+  PoolSizes sizes;
+};
+
+class RandomWalk : public testing::TestWithParam<Case> {};
+INSTANTIATE_TEST_SUITE_P(
+    , RandomWalk,
+    testing::Values(
+        Case{"octree", [] { return ramp(2); }, {40, 20}}, Case{"octree_tiny", [] { return ramp(2); }, {7, 2}},
+        Case{"n3", [] { return ramp(3); }, {12, 30}},
+        Case{"repeated", [] { return std::shared_ptr<const produce::Producer>(new Repeated); }, {30, 12}},
+        Case{"sponge",
+             [] { return std::shared_ptr<const produce::Producer>(new produce::SpongeProducer(8)); },
+             {5, 3}}),
+    [](const auto& tested) { return tested.param.name; });
+
+TEST_P(RandomWalk, keeps_every_invariant) {
+  const auto producer = GetParam().producer();
+  const int n = static_cast<int>(producer->description().n);
+  Residency residency(exec::Device::cpu(2), *producer, GetParam().sizes);
+  ASSERT_TRUE(residency.plant_root().ok());
+  std::mt19937 generator(21);
+  const auto random = [&](std::uint32_t below) { return static_cast<std::uint32_t>(generator()) % below; };
+
+  std::vector<scene::TransferTable> tables;
+  const std::vector<double> steps = {1.0};
+  for (const double from : {0.0, 0.35, 0.9}) {
+    tables.push_back(scene::bake({{{0, {1, 1, 1}}}, {{from, 0}, {1, 1}}, 0}, 1, 0, steps));
+  }
+  std::vector<Produced> late;  // made, but committed in a later pass
+  std::uint64_t committed = 0, linked = 0;
+  for (std::uint32_t pass = 1; pass <= 400; ++pass) {
+    if (random(25) == 0) residency.set_function(tables[random(3)].view(), true);
+    // Rays: walks from the root that stamp what they use and mark what they lack.
+    for (int ray = 0; ray < 12; ++ray) {
+      NodeIndex node = tree::NodePool::root();
+      for (std::uint32_t level = 0;; ++level) {
+        residency.tile_usage().touch(residency.nodes().tile_of(node).value, pass);
+        const auto word = residency.nodes().child(node);
+        const auto content = residency.nodes().content(node);
+        if (content.kind() == tree::ContentKind::brick) {
+          residency.brick_usage().touch(content.brick().value, pass);
+          ++linked;
+        } else if (content.kind() == tree::ContentKind::none) {
+          residency.requests().request(node, cache::kNeedsBrick, 0.5f);
+        }
+        if (word.terminal() || level == 6) break;
+        if (!word.has_children()) {
+          residency.requests().request(node, cache::kNeedsChildren, 0.25f);
+          break;
+        }
+        node = residency.nodes().node_of(word.children(), random(static_cast<std::uint32_t>(n * n * n)));
+      }
+    }
+    std::vector<Job> jobs = residency.collect(pass);
+    residency.check_invariants();
+    std::map<std::array<std::uint32_t, 5>, int> seen;
+    for (const Job& job : jobs) {
+      const std::array<std::uint32_t, 5> id = {static_cast<std::uint32_t>(job.kind), job.key.level, job.key.x,
+                                               job.key.y, job.key.z};
+      ASSERT_EQ(++seen[id], 1) << "a job was listed twice";
+      ASSERT_EQ(producer->canonical(job.key), job.key);
+    }
+    const Eviction eviction = random(3) == 0 ? Eviction::any : Eviction::unused;
+    if (random(2) == 0) residency.limit_to_room(jobs, eviction);
+    std::vector<Produced> made = std::exchange(late, {});
+    for (const Job& job : jobs) (random(4) == 0 ? late : made).push_back(make(*producer, job));
+    const auto counts = residency.commit(std::move(made), eviction);
+    ASSERT_TRUE(counts.ok());
+    committed += counts.value().committed;
+    residency.check_invariants();
+  }
+  EXPECT_GT(committed, 0u);
+  EXPECT_GT(linked, 100u);
+}
+
+TEST(Residency, sponge_needs_one_tile_and_one_brick_for_any_depth) {
+  const produce::SpongeProducer sponge(8);
+  Residency residency(exec::Device::cpu(1), sponge, {3, 2});
+  ASSERT_TRUE(residency.plant_root().ok());
+  residency.requests().request(tree::NodePool::root(), cache::kNeedsBrick | cache::kNeedsChildren, 1);
+  std::vector<Produced> made;
+  for (const Job& job : residency.collect(1)) made.push_back(make(sponge, job));
+  ASSERT_EQ(made.size(), 2u);
+  ASSERT_TRUE(residency.commit(std::move(made), Eviction::unused).ok());
+  NodeIndex node = tree::NodePool::root();
+  for (int depth = 0; depth < 20; ++depth) {
+    ASSERT_TRUE(residency.nodes().child(node).has_children()) << depth;
+    ASSERT_EQ(residency.nodes().content(node).kind(), tree::ContentKind::brick) << depth;
+    node = residency.nodes().node_of(residency.nodes().child(node).children(), 0);
+  }
+  EXPECT_EQ(residency.resident_bricks(), 1u);
+}
+
+TEST(Residency, an_error_of_a_producer_is_returned_and_the_rest_committed) {
+  const auto producer = ramp(2);
+  Residency residency(exec::Device::cpu(1), *producer, {20, 20});
+  ASSERT_TRUE(residency.plant_root().ok());
+  residency.requests().request(tree::NodePool::root(), cache::kNeedsBrick | cache::kNeedsChildren, 1);
+  std::vector<Produced> made;
+  for (const Job& job : residency.collect(1)) made.push_back(make(*producer, job));
+  ASSERT_EQ(made.size(), 2u);
+  (made[0].job.kind == JobKind::brick ? made[0] : made[1]).status = Error{"brick is gone"};
+  const auto counts = residency.commit(std::move(made), Eviction::unused);
+  ASSERT_FALSE(counts.ok());
+  EXPECT_EQ(counts.error().message, "brick is gone");
+  EXPECT_TRUE(residency.nodes().child(tree::NodePool::root()).has_children());
+}
+
+TEST(PoolSizes, fit_the_memory_and_the_tree) {
+  produce::TreeDescription tree;
+  tree.m = 16;
+  tree.type = VoxelType::u8;
+  tree.bricks = 1000000;
+  const PoolSizes sizes = PoolSizes::fitting(64ull << 20, tree).value();
+  EXPECT_EQ(sizes.bricks, (64u << 20) / (18 * 18 * 18));
+  tree.bricks = 10;
+  EXPECT_EQ(PoolSizes::fitting(64ull << 20, tree).value().bricks, 11u);
+  EXPECT_FALSE(PoolSizes::fitting(10000, tree).ok());
+}
+
+}  // namespace
+}  // namespace gvx::engine

@@ -14,12 +14,12 @@ struct Statistics {
   std::uint64_t bricks_evicted = 0;   ///< of this frame
   std::uint64_t bricks_resident = 0;
   std::uint64_t nodes_resident = 0;
-  std::uint64_t bytes_read = 0;  ///< since the engine was made
-  std::uint64_t samples = 0;     ///< of the exact rays of this view so far
+  std::uint64_t bytes_read = 0;         ///< since the engine was made
+  std::uint64_t samples = 0;            ///< of the exact rays of this view so far
   std::uint64_t peak_memory_bytes = 0;  ///< of the process
-  bool converged = false;        ///< the picture is the exact one
-  double resident_share = 0;     ///< of what the preview's rays wanted; 1 where the picture is exact
-  std::uint32_t worst_lack = 0;  ///< the most levels by which the preview is coarser than wanted
+  bool converged = false;               ///< the picture is the exact one
+  double resident_share = 0;            ///< of what the preview's rays wanted; 1 where the picture is exact
+  std::uint32_t worst_lack = 0;         ///< the most levels by which the preview is coarser than wanted
 };
 
 /// The largest resident set of this process so far.

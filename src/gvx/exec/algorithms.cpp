@@ -1,5 +1,6 @@
 #include "gvx/exec/algorithms.h"
 
+#include <tbb/task_arena.h>
 #include <thrust/copy.h>
 #include <thrust/execution_policy.h>
 #include <thrust/iterator/counting_iterator.h>
@@ -7,8 +8,6 @@
 #include <thrust/reduce.h>
 #include <thrust/scan.h>
 #include <thrust/system/tbb/execution_policy.h>
-
-#include <tbb/task_arena.h>
 
 namespace gvx::exec {
 namespace {
@@ -48,7 +47,8 @@ std::size_t stable_partition(const Device& device, BufferView<std::uint32_t> ite
                              BufferView<const std::uint32_t> flags, BufferView<std::uint32_t> scratch) {
   return with_policy(device, items.size, [&](auto policy) {
     thrust::copy(policy, items.begin(), items.end(), scratch.begin());
-    const auto middle = thrust::copy_if(policy, scratch.begin(), scratch.end(), flags.begin(), items.begin(), IsZero{});
+    const auto middle =
+        thrust::copy_if(policy, scratch.begin(), scratch.end(), flags.begin(), items.begin(), IsZero{});
     thrust::copy_if(policy, scratch.begin(), scratch.end(), flags.begin(), middle, IsNonzero{});
     return static_cast<std::size_t>(middle - items.begin());
   });
@@ -58,8 +58,8 @@ std::size_t find_nonzero(const Device& device, BufferView<const std::uint32_t> w
                          BufferView<std::uint32_t> indices) {
   return with_policy(device, words.size, [&](auto policy) {
     const thrust::counting_iterator<std::uint32_t> first(0);
-    const auto end = thrust::copy_if(policy, first, first + static_cast<std::ptrdiff_t>(words.size), words.begin(),
-                                     indices.begin(), IsNonzero{});
+    const auto end = thrust::copy_if(policy, first, first + static_cast<std::ptrdiff_t>(words.size),
+                                     words.begin(), indices.begin(), IsNonzero{});
     return static_cast<std::size_t>(end - indices.begin());
   });
 }

@@ -38,7 +38,8 @@ class Buffer {
     if (size == 0) return;
     const std::size_t bytes = size * sizeof(T);
     // calloc leaves pages untouched until they are used: a pool costs what is resident in it.
-    void* memory = kind_ == DeviceKind::cuda ? cuda_support::allocate_shared(bytes) : std::calloc(size, sizeof(T));
+    void* memory =
+        kind_ == DeviceKind::cuda ? cuda_support::allocate_shared(bytes) : std::calloc(size, sizeof(T));
     if (memory == nullptr) throw std::bad_alloc();
     if (kind_ == DeviceKind::cuda) std::memset(memory, 0, bytes);
     data_ = static_cast<T*>(memory);

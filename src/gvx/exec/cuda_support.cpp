@@ -39,14 +39,22 @@ void* allocate_shared(std::size_t bytes) {
   return memory;
 }
 
-void free_shared(void* memory) { cudaFree(memory); }
+void free_shared(void* memory) {
+  cudaFree(memory);
+}
 
-void synchronize(const char* what) { require(cudaDeviceSynchronize(), what); }
+void synchronize(const char* what) {
+  require(cudaDeviceSynchronize(), what);
+}
 
 #else
 
-Result<int> device_count() { return Error{"no CUDA device: this gvx was built without CUDA"}; }
-std::string device_name() { return "no CUDA"; }
+Result<int> device_count() {
+  return Error{"no CUDA device: this gvx was built without CUDA"};
+}
+std::string device_name() {
+  return "no CUDA";
+}
 void* allocate_shared(std::size_t) {
   check_failed("a CUDA buffer needs a build with CUDA", __FILE__, __LINE__);
 }

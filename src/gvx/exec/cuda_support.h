@@ -1,6 +1,6 @@
 /// \file
-/// What exec needs of the CUDA runtime. Built in every configuration: without CUDA each function says that there is
-/// none, so that no other file asks how the build was configured.
+/// What exec needs of the CUDA runtime. Built in every configuration: without CUDA each function says that
+/// there is none, so that no other file asks how the build was configured.
 #pragma once
 
 #include <cstddef>

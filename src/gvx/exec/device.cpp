@@ -10,7 +10,8 @@ namespace gvx::exec {
 
 Device Device::cpu(int threads) {
   const int count = threads > 0 ? threads : tbb::info::default_concurrency();
-  // oneTBB caps all arenas together at the machine's cores; a larger wish (tests of races) must lift that cap.
+  // oneTBB caps all arenas together at the machine's cores; a larger wish (tests of races) must lift that
+  // cap.
   static tbb::global_control cap(tbb::global_control::max_allowed_parallelism, 64);
   return Device(DeviceKind::cpu, count, std::make_shared<tbb::task_arena>(count));
 }

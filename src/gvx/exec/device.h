@@ -33,7 +33,8 @@ class Device {
   std::string name() const;
   /// The CPU's thread pool; checks that this is a CPU.
   tbb::detail::d1::task_arena& arena() const;
-  /// Waits for everything launched here; errors of kernels are broken invariants and abort with the kernel's name.
+  /// Waits for everything launched here; errors of kernels are broken invariants and abort with the kernel's
+  /// name.
   void synchronize() const;
 
  private:

@@ -21,10 +21,14 @@ class EveryDevice : public testing::TestWithParam<int> {
  protected:
   static Device device() {
     switch (GetParam()) {
-      case 0: return Device::cpu(1);
-      case 1: return Device::cpu();
-      case 2: return Device::cpu(8);
-      default: return Device::cuda().value();
+      case 0:
+        return Device::cpu(1);
+      case 1:
+        return Device::cpu();
+      case 2:
+        return Device::cpu(8);
+      default:
+        return Device::cuda().value();
     }
   }
 };
@@ -56,7 +60,8 @@ Buffer<std::uint32_t> upload(const Device& device, const std::vector<std::uint32
   return buffer;
 }
 
-std::vector<std::uint32_t> download(const Device& device, const Buffer<std::uint32_t>& buffer, std::size_t count) {
+std::vector<std::uint32_t> download(const Device& device, const Buffer<std::uint32_t>& buffer,
+                                    std::size_t count) {
   device.synchronize();
   return {buffer.view().begin(), buffer.view().begin() + count};
 }
@@ -77,15 +82,17 @@ TEST_P(EveryDevice, for_each_visits_every_index_once) {
 struct MarkPixel {
   BufferView<std::uint32_t> pixels;
   std::uint32_t width;
-  GVX_HD void operator()(std::uint32_t x, std::uint32_t y) const { pixels[y * width + x] += 1000 * x + y + 1; }
+  GVX_HD void operator()(std::uint32_t x, std::uint32_t y) const {
+    pixels[y * width + x] += 1000 * x + y + 1;
+  }
 };
 
 TEST_P(EveryDevice, for_each_pixel_visits_every_pixel_of_the_listed_tiles_once) {
   const TileGrid grid{37, 21, 16};
   const auto tiles = upload(device(), {5, 0, 2, 1});
   Buffer<std::uint32_t> pixels(device(), 37 * 21);
-  EXPECT_TRUE(
-      for_each_pixel(device(), "mark_pixel", grid, tiles.view(), no_deadline(), MarkPixel{pixels.view(), 37}));
+  EXPECT_TRUE(for_each_pixel(device(), "mark_pixel", grid, tiles.view(), no_deadline(),
+                             MarkPixel{pixels.view(), 37}));
   for (std::uint32_t y = 0; y < 21; ++y) {
     for (std::uint32_t x = 0; x < 37; ++x) {
       const bool listed = y < 16 || x >= 32;  // tiles 3 and 4 are not
@@ -171,7 +178,8 @@ TEST_P(EveryDevice, texture_filters_trilinearly_and_clamps) {
   const Texture3D texture(device(), size, texels);
   Buffer<float> values(device(), 101);
   for_each(device(), "sample_texture", 101, SampleTexture{texture.view(), values.view()});
-  const float tolerance = device().kind() == DeviceKind::cuda ? 0.2f : 1e-4f;  // the unit's weights have 8 bits
+  const float tolerance =
+      device().kind() == DeviceKind::cuda ? 0.2f : 1e-4f;  // the unit's weights have 8 bits
   for (int i = 0; i <= 100; ++i) {
     const auto clamp = [](float v, float last) { return std::clamp(v - 0.5f, 0.0f, last); };
     const float s = static_cast<float>(i);

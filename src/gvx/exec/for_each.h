@@ -1,6 +1,6 @@
 /// \file
-/// for_each: the one way to launch a kernel. A kernel is a functor over views; its name appears in errors. Include
-/// this from device sources only: compiled as C++ it knows the CPU, compiled as CUDA both devices.
+/// for_each: the one way to launch a kernel. A kernel is a functor over views; its name appears in errors.
+/// Include this from device sources only: compiled as C++ it knows the CPU, compiled as CUDA both devices.
 #pragma once
 
 #include <atomic>
@@ -23,7 +23,9 @@ namespace gvx::exec {
 
 /// When work that can be cut short must stop; no_deadline() never comes.
 using Deadline = std::chrono::steady_clock::time_point;
-inline Deadline no_deadline() { return Deadline::max(); }
+inline Deadline no_deadline() {
+  return Deadline::max();
+}
 
 /// An image and the square tiles that it is worked on in; tiles at the right and lower edge may be cut.
 struct TileGrid {
@@ -34,7 +36,9 @@ struct TileGrid {
   GVX_HD std::uint32_t tiles_y() const { return (height + tile - 1) / tile; }
   GVX_HD std::uint32_t tiles() const { return tiles_x() * tiles_y(); }
   /// The tile that holds a pixel.
-  GVX_HD std::uint32_t tile_of(std::uint32_t x, std::uint32_t y) const { return y / tile * tiles_x() + x / tile; }
+  GVX_HD std::uint32_t tile_of(std::uint32_t x, std::uint32_t y) const {
+    return y / tile * tiles_x() + x / tile;
+  }
 };
 
 #if defined(__CUDACC__)
@@ -48,7 +52,8 @@ __global__ void count_kernel(std::size_t count, Functor functor) {
 
 template <typename Functor>
 __global__ void tile_kernel(TileGrid grid, const std::uint32_t* tiles, Functor functor) {
-  const std::uint32_t tile_x = tiles[blockIdx.x] % grid.tiles_x(), tile_y = tiles[blockIdx.x] / grid.tiles_x();
+  const std::uint32_t tile_x = tiles[blockIdx.x] % grid.tiles_x(),
+                      tile_y = tiles[blockIdx.x] / grid.tiles_x();
   for (std::uint32_t i = threadIdx.x; i < grid.tile * grid.tile; i += blockDim.x) {
     const std::uint32_t x = tile_x * grid.tile + i % grid.tile, y = tile_y * grid.tile + i / grid.tile;
     if (x < grid.width && y < grid.height) functor(x, y);
@@ -78,8 +83,8 @@ void for_each(const Device& device, [[maybe_unused]] const char* name, std::size
   });
 }
 
-/// Calls functor(x, y) for every pixel of the listed tiles, a tile at a time (on CUDA a thread block a tile), and waits.
-/// Tiles that have not begun at the deadline are left out; returns whether all were done.
+/// Calls functor(x, y) for every pixel of the listed tiles, a tile at a time (on CUDA a thread block a tile),
+/// and waits. Tiles that have not begun at the deadline are left out; returns whether all were done.
 template <typename Functor>
 bool for_each_pixel(const Device& device, [[maybe_unused]] const char* name, TileGrid grid,
                     BufferView<const std::uint32_t> tiles, Deadline deadline, Functor functor) {
@@ -104,7 +109,8 @@ bool for_each_pixel(const Device& device, [[maybe_unused]] const char* name, Til
         all_done.store(false, std::memory_order_relaxed);
         return;
       }
-      const std::uint32_t x0 = tiles[t] % grid.tiles_x() * grid.tile, y0 = tiles[t] / grid.tiles_x() * grid.tile;
+      const std::uint32_t x0 = tiles[t] % grid.tiles_x() * grid.tile,
+                          y0 = tiles[t] / grid.tiles_x() * grid.tile;
       const std::uint32_t x1 = x0 + grid.tile < grid.width ? x0 + grid.tile : grid.width;
       const std::uint32_t y1 = y0 + grid.tile < grid.height ? y0 + grid.tile : grid.height;
       for (std::uint32_t y = y0; y < y1; ++y) {

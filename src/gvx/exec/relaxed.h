@@ -1,6 +1,7 @@
 /// \file
-/// Loads and stores that many threads may do at once on one word: relaxed, so never torn and never ordered. Usage
-/// stamps and request marks need no more (GPU Pro text, 3.6.2): all writers write the same value, or any will do.
+/// Loads and stores that many threads may do at once on one word: relaxed, so never torn and never ordered.
+/// Usage stamps and request marks need no more (GPU Pro text, 3.6.2): all writers write the same value, or
+/// any will do.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 /// \file
-/// A 3D texture of floats with trilinear filtering and clamped edges: the GPU's texture unit on CUDA, the same
-/// arithmetic in software on the CPU. Texel i has its centre at coordinate i + 0.5.
+/// A 3D texture of floats with trilinear filtering and clamped edges: the GPU's texture unit on CUDA, the
+/// same arithmetic in software on the CPU. Texel i has its centre at coordinate i + 0.5.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,8 @@
 
 namespace gvx::exec {
 
-/// What kernels sample. The CPU reads texels; CUDA goes through the texture object, whose weights have 8 bits.
+/// What kernels sample. The CPU reads texels; CUDA goes through the texture object, whose weights have 8
+/// bits.
 struct Texture3DView {
   const float* texels = nullptr;
   std::uint32_t size_x = 0, size_y = 0, size_z = 0;
@@ -68,7 +69,7 @@ class Texture3D {
 
  private:
   Vec3u size_;
-  Buffer<float> texels_;  // the CPU's storage
+  Buffer<float> texels_;   // the CPU's storage
   void* array_ = nullptr;  // the GPU's
   unsigned long long texture_object_ = 0;
 };

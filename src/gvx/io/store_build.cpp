@@ -30,9 +30,12 @@ struct Conversion {
 
 VoxelType natural_type(SampleType type) {
   switch (sample_bytes(type)) {
-    case 1: return VoxelType::u8;
-    case 2: return VoxelType::u16;
-    default: return VoxelType::f32;
+    case 1:
+      return VoxelType::u8;
+    case 2:
+      return VoxelType::u16;
+    default:
+      return VoxelType::f32;
   }
 }
 
@@ -149,10 +152,13 @@ std::uint64_t convert(const exec::Device& cpu, SampleType from, const Conversion
 }
 
 bool same_bytes(SampleType from, const Conversion& c) {
-  return (from == SampleType::u8 && c.type == VoxelType::u8) || (from == SampleType::u16 && c.type == VoxelType::u16);
+  return (from == SampleType::u8 && c.type == VoxelType::u8) ||
+         (from == SampleType::u16 && c.type == VoxelType::u16);
 }
 
-std::string bytes_text(std::uint64_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + "M"; }
+std::string bytes_text(std::uint64_t bytes) {
+  return std::to_string((bytes + (1 << 20) - 1) >> 20) + "M";
+}
 
 }  // namespace
 
@@ -168,13 +174,15 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, VolumeReader& read
   info.source = std::filesystem::path(d.path).filename().string();
 
   const std::uint64_t slice = slice_bytes(d);
-  const std::uint64_t batch = std::clamp<std::uint64_t>(kBatchBytes / slice, 1, static_cast<std::uint64_t>(d.dimensions.z));
+  const std::uint64_t batch =
+      std::clamp<std::uint64_t>(kBatchBytes / slice, 1, static_cast<std::uint64_t>(d.dimensions.z));
   const std::uint64_t needed = store::PyramidBuilder::window_bytes(info.shape, info.type) +
                                batch * slice * (2 + voxel_bytes(info.type) / sample_bytes(d.type) + 1);
   if (needed > options.memory_bytes) {
     return Error{d.path + ": building needs " + bytes_text(needed) + " of memory for slices of " +
                  std::to_string(d.dimensions.x) + " x " + std::to_string(d.dimensions.y) + " voxels; " +
-                 bytes_text(options.memory_bytes) + " are allowed (--memory), and smaller bricks (--brick) need less"};
+                 bytes_text(options.memory_bytes) +
+                 " are allowed (--memory), and smaller bricks (--brick) need less"};
   }
 
   Conversion conversion;
@@ -201,7 +209,8 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, VolumeReader& read
     GVX_TRY(reader.rewind());
     if (!(range.minimum <= range.maximum)) range = {0, 0};
     const double steps = info.type == VoxelType::u8 ? 255 : 65535;
-    conversion = {info.type, range.minimum, range.maximum > range.minimum ? (range.maximum - range.minimum) / steps : 1};
+    conversion = {info.type, range.minimum,
+                  range.maximum > range.minimum ? (range.maximum - range.minimum) / steps : 1};
   }
   info.scale = d.scale * conversion.unit;
   info.offset = d.offset + d.scale * conversion.bias;

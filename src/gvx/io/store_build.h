@@ -1,6 +1,6 @@
 /// \file
-/// build_store: another program's volume file into a .gvx store, in bounded memory and one pass, or two where the values
-/// must be known before they can be converted.
+/// build_store: another program's volume file into a .gvx store, in bounded memory and one pass, or two where
+/// the values must be known before they can be converted.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,8 @@ struct StoreBuildOptions {
   std::uint32_t n = 2;   ///< children along an axis of a node: 2 or 3
   std::uint32_t m = 16;  ///< voxels along an axis of a brick: 8, 16 or 32
   store::Codec codec = store::Codec::zstd;
-  /// Of the voxels; if not given the narrowest that keeps every value of 8 or 16 bits, and f32 for the wider ones.
+  /// Of the voxels; if not given the narrowest that keeps every value of 8 or 16 bits, and f32 for the wider
+  /// ones.
   std::optional<VoxelType> type;
   std::uint64_t memory_bytes = 1ull << 30;  ///< bound of what the build holds at once
 };
@@ -36,8 +37,8 @@ struct StoreBuildReport {
 /// Called with what is done of all the work, in bytes of samples, from one thread.
 using BuildProgress = std::function<void(std::uint64_t done, std::uint64_t all)>;
 
-/// Reads all slices of `reader`, which stands at its first, and writes the store to `path`, replacing what is there. On
-/// failure, and until all is written, `path` is as it was.
+/// Reads all slices of `reader`, which stands at its first, and writes the store to `path`, replacing what is
+/// there. On failure, and until all is written, `path` is as it was.
 Result<StoreBuildReport> build_store(const exec::Device& cpu, VolumeReader& reader, const std::string& path,
                                      const StoreBuildOptions& options, const BuildProgress& progress);
 

@@ -2,10 +2,9 @@
 
 #include <cmath>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "gvx/io/header_text.h"
 
@@ -21,14 +20,19 @@ constexpr int kLabPieces = 16;
 // CIE 1976 L*a*b* under D65, through linear sRGB (IEC 61966-2-1).
 constexpr Vec3d kWhite{0.95047, 1.0, 1.08883};
 
-double to_linear(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
-double to_display(double v) { return v <= 0.0031308 ? v * 12.92 : 1.055 * std::pow(v, 1 / 2.4) - 0.055; }
+double to_linear(double v) {
+  return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+}
+double to_display(double v) {
+  return v <= 0.0031308 ? v * 12.92 : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
+}
 
 Vec3d to_lab(Vec3d rgb) {
   const Vec3d l{to_linear(rgb.x), to_linear(rgb.y), to_linear(rgb.z)};
-  const Vec3d xyz = Vec3d{dot(l, {0.4124564, 0.3575761, 0.1804375}), dot(l, {0.2126729, 0.7151522, 0.0721750}),
-                          dot(l, {0.0193339, 0.1191920, 0.9503041})} /
-                    kWhite;
+  const Vec3d xyz =
+      Vec3d{dot(l, {0.4124564, 0.3575761, 0.1804375}), dot(l, {0.2126729, 0.7151522, 0.0721750}),
+            dot(l, {0.0193339, 0.1191920, 0.9503041})} /
+      kWhite;
   const auto f = [](double t) { return t > 216.0 / 24389 ? std::cbrt(t) : (24389.0 / 27 * t + 16) / 116; };
   const double fy = f(xyz.y);
   return {116 * fy - 16, 500 * (f(xyz.x) - fy), 200 * (fy - f(xyz.z))};
@@ -51,7 +55,8 @@ std::vector<scene::ColorPoint> subdivide_in_lab(const std::vector<scene::ColorPo
     fine.push_back(points[i]);
     for (int k = 1; k < kLabPieces; ++k) {
       const double w = double(k) / kLabPieces;
-      fine.push_back({points[i].value + w * (points[i + 1].value - points[i].value), from_lab(a + w * (b - a))});
+      fine.push_back(
+          {points[i].value + w * (points[i + 1].value - points[i].value), from_lab(a + w * (b - a))});
     }
   }
   fine.push_back(points.back());
@@ -59,10 +64,12 @@ std::vector<scene::ColorPoint> subdivide_in_lab(const std::vector<scene::ColorPo
 }
 
 /// The numbers of an array whose length is a multiple of `group`.
-Result<std::vector<double>> numbers(const std::string& path, const json& map, const char* field, std::size_t group) {
+Result<std::vector<double>> numbers(const std::string& path, const json& map, const char* field,
+                                    std::size_t group) {
   const json& array = map[field];
   if (!array.is_array() || array.empty() || array.size() % group != 0) {
-    return file_error(path, std::string(field) + " is not a list of " + std::to_string(group) + " numbers a point");
+    return file_error(path,
+                      std::string(field) + " is not a list of " + std::to_string(group) + " numbers a point");
   }
   std::vector<double> values;
   for (const json& v : array) {
@@ -74,8 +81,10 @@ Result<std::vector<double>> numbers(const std::string& path, const json& map, co
 
 Status read_colors(const std::string& path, const json& map, scene::TransferFunction& function) {
   GVX_ASSIGN(const auto v, numbers(path, map, "RGBPoints", 4));
-  for (std::size_t i = 0; i < v.size(); i += 4) function.colors.push_back({v[i], {v[i + 1], v[i + 2], v[i + 3]}});
-  const std::string space = map.contains("ColorSpace") && map["ColorSpace"].is_string() ? map["ColorSpace"] : "RGB";
+  for (std::size_t i = 0; i < v.size(); i += 4)
+    function.colors.push_back({v[i], {v[i + 1], v[i + 2], v[i + 3]}});
+  const std::string space =
+      map.contains("ColorSpace") && map["ColorSpace"].is_string() ? map["ColorSpace"] : "RGB";
   if (space == "Lab" || space == "CIELAB") {
     function.colors = subdivide_in_lab(function.colors);
   } else if (space != "RGB") {
@@ -96,7 +105,8 @@ Status read_opacities(const std::string& path, const json& map, scene::TransferF
     function.opacities.push_back({v[i], v[i + 1]});
     // ParaView's midpoint: where, between this point and the next, the mean of the two opacities is reached.
     if (midpoint != 0.5 && i + 4 < v.size()) {
-      if (!(midpoint >= 0 && midpoint <= 1)) return file_error(path, "a midpoint in Points is outside 0 to 1");
+      if (!(midpoint >= 0 && midpoint <= 1))
+        return file_error(path, "a midpoint in Points is outside 0 to 1");
       function.opacities.push_back({v[i] + midpoint * (v[i + 4] - v[i]), 0.5 * (v[i + 1] + v[i + 5])});
     }
   }
@@ -126,7 +136,8 @@ Result<scene::TransferFunction> read_transfer_function(const std::string& path) 
     if (!document["UnitDistance"].is_number()) return file_error(path, "UnitDistance is not a number");
     function.unit_distance = document["UnitDistance"].get<double>();
   }
-  if (const Status status = scene::check(function); !status.ok()) return file_error(path, status.error().message);
+  if (const Status status = scene::check(function); !status.ok())
+    return file_error(path, status.error().message);
   return function;
 }
 

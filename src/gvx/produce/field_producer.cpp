@@ -11,7 +11,8 @@ FieldProducer::FieldProducer(TreeDescription description, Values values, Bounds 
 }
 
 Box3d FieldProducer::bordered_box(const NodeKey& key) const {
-  const double across = nodes_across(static_cast<int>(description_.n), key.level), border = 1.0 / (across * description_.m);
+  const double across = nodes_across(static_cast<int>(description_.n), key.level),
+               border = 1.0 / (across * description_.m);
   const Vec3d low = Vec3d(key.x, key.y, key.z) / across;
   return {low - Vec3d(border), low + Vec3d(1 / across + border)};
 }

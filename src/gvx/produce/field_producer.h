@@ -8,13 +8,15 @@
 
 namespace gvx::produce {
 
-/// f32 voxels of values(p), p in tree space; the oracle is `bounds(box)`, which must hold every value in the box.
+/// f32 voxels of values(p), p in tree space; the oracle is `bounds(box)`, which must hold every value in the
+/// box.
 class FieldProducer final : public Producer {
  public:
   using Values = std::function<float(Vec3d)>;
   using Bounds = std::function<ValueRange(const Box3d&)>;
 
-  /// `description` gives n, m, max_level and placement; its type becomes f32 and its range that of the whole cube.
+  /// `description` gives n, m, max_level and placement; its type becomes f32 and its range that of the whole
+  /// cube.
   FieldProducer(TreeDescription description, Values values, Bounds bounds);
 
   const TreeDescription& description() const override { return description_; }

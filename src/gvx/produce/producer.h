@@ -1,7 +1,7 @@
 /// \file
-/// Producer: where bricks come from. A producer is asked by NodeKey and never sees a ray. Beside making voxels it is the
-/// oracle of the 2008 report: it bounds a node's values before anything is made, so that what cannot be seen is never
-/// asked for.
+/// Producer: where bricks come from. A producer is asked by NodeKey and never sees a ray. Beside making
+/// voxels it is the oracle of the 2008 report: it bounds a node's values before anything is made, so that
+/// what cannot be seen is never asked for.
 #pragma once
 
 #include <cstddef>
@@ -18,19 +18,20 @@
 
 namespace gvx::produce {
 
-/// The tree that a producer fills, and where it stands in the world. *Tree space* is the cube [0, 1]^3 of the root.
+/// The tree that a producer fills, and where it stands in the world. *Tree space* is the cube [0, 1]^3 of the
+/// root.
 struct TreeDescription {
   std::uint32_t n = 2;          ///< children along an axis of a node: 2 or 3
   std::uint32_t m = 16;         ///< voxels along an axis of a brick, border not counted: 8, 16 or 32
   std::uint32_t max_level = 0;  ///< of the finest nodes
   VoxelType type = VoxelType::u8;
   Affine3 tree_to_world;
-  Box3d extent{{0, 0, 0}, {1, 1, 1}};  ///< the part of tree space that holds the volume
-  bool anatomical = false;             ///< world is millimetres: x right, y to the front, z up
-  double scale = 1, offset = 0;        ///< physical value = scale * stored value + offset
-  ValueRange range;                    ///< of all stored values
+  Box3d extent{{0, 0, 0}, {1, 1, 1}};    ///< the part of tree space that holds the volume
+  bool anatomical = false;               ///< world is millimetres: x right, y to the front, z up
+  double scale = 1, offset = 0;          ///< physical value = scale * stored value + offset
+  ValueRange range;                      ///< of all stored values
   std::vector<std::uint64_t> histogram;  ///< of the voxels, equal bins over the range; may be empty
-  std::uint64_t bricks = 0;              ///< as many bricks as there can be, 0 for no bound: bounds the brick pool
+  std::uint64_t bricks = 0;  ///< as many bricks as there can be, 0 for no bound: bounds the brick pool
 
   /// Voxels of a brick with its border.
   std::size_t brick_voxels() const { return std::size_t(m + 2) * (m + 2) * (m + 2); }
@@ -44,11 +45,13 @@ class Producer {
 
   virtual const TreeDescription& description() const = 0;
 
-  /// The node whose content and sub-tree this node shares; itself in a tree without repetition. Must be a fixed point:
-  /// canonical(canonical(key)) == canonical(key). Only canonical nodes are described below and produced.
+  /// The node whose content and sub-tree this node shares; itself in a tree without repetition. Must be a
+  /// fixed point: canonical(canonical(key)) == canonical(key). Only canonical nodes are described below and
+  /// produced.
   virtual NodeKey canonical(const NodeKey& key) const { return key; }
 
-  /// The oracle: bounds each node's values, conservatively. A range of one value says that the node is constant.
+  /// The oracle: bounds each node's values, conservatively. A range of one value says that the node is
+  /// constant.
   virtual Status describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const = 0;
 
   /// Fills (m+2)^3 voxels of a node, border included, x fastest.

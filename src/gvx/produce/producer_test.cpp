@@ -1,0 +1,133 @@
+// The conformance suite of producers, for every implementation; and what each alone promises.
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "gvx/produce/field_producer.h"
+#include "gvx/produce/sponge_producer.h"
+#include "gvx/produce/store_producer.h"
+#include "gvx/store/store_test_support.h"
+
+namespace gvx::produce {
+namespace {
+
+std::shared_ptr<const Producer> make_store_producer() {
+  const store::TestVolume<std::uint8_t> volume({50, 40, 30}, [](auto x, auto y, auto z) {
+    return x > 30 ? 9 : 100 + 50 * std::sin(double(x) * 0.4) + double(y % 7) + double(z);
+  });
+  const std::string path = testing::TempDir() + "gvx_producer.gvx";
+  GVX_CHECK(store::write_store(volume, path, 2, 8).ok());
+  return std::make_shared<StoreProducer>(store::StoreReader::open(path).value());
+}
+
+std::shared_ptr<const Producer> make_field_producer() {
+  TreeDescription tree;
+  tree.n = 3;
+  tree.m = 8;
+  tree.max_level = 3;
+  return std::make_shared<FieldProducer>(
+      tree, [](Vec3d p) { return static_cast<float>(p.x + 2 * p.y - p.z); },
+      [](const Box3d& b) {
+        return ValueRange{
+            std::nextafter(static_cast<float>(b.minimum.x + 2 * b.minimum.y - b.maximum.z), -INFINITY),
+            std::nextafter(static_cast<float>(b.maximum.x + 2 * b.maximum.y - b.minimum.z), INFINITY)};
+      });
+}
+
+struct Case {
+  const char* name;
+  std::shared_ptr<const Producer> (*make)();
+};
+class EveryProducer : public testing::TestWithParam<Case> {};
+INSTANTIATE_TEST_SUITE_P(
+    , EveryProducer,
+    testing::Values(Case{"store", make_store_producer}, Case{"field", make_field_producer},
+                    Case{"sponge", [] { return std::shared_ptr<const Producer>(new SpongeProducer(8)); }}),
+    [](const auto& tested) { return tested.param.name; });
+
+/// Walks down from the root to random nodes that hold part of the volume.
+std::vector<NodeKey> random_nodes(const TreeDescription& tree, int count) {
+  std::mt19937 random(4);
+  std::vector<NodeKey> keys;
+  for (int i = 0; i < count; ++i) {
+    const std::uint32_t level = static_cast<std::uint32_t>(random()) % (std::min(tree.max_level, 6u) + 1);
+    const double across = nodes_across(static_cast<int>(tree.n), level);
+    NodeKey key{level, 0, 0, 0};
+    std::uint32_t* place[] = {&key.x, &key.y, &key.z};
+    for (int axis = 0; axis < 3; ++axis) {
+      std::uniform_real_distribution<double> inside(tree.extent.minimum[axis], tree.extent.maximum[axis]);
+      *place[axis] = static_cast<std::uint32_t>(std::min(inside(random) * across, across - 1));
+    }
+    keys.push_back(key);
+  }
+  return keys;
+}
+
+TEST_P(EveryProducer, canonical_is_a_fixed_point_with_the_same_description) {
+  const auto producer = GetParam().make();
+  for (const NodeKey& key : random_nodes(producer->description(), 500)) {
+    const NodeKey canonical = producer->canonical(key);
+    EXPECT_EQ(producer->canonical(canonical), canonical);
+    tree::NodeInfo of_key, of_canonical;
+    ASSERT_TRUE(producer->describe(std::span(&key, 1), std::span(&of_key, 1)).ok());
+    ASSERT_TRUE(producer->describe(std::span(&canonical, 1), std::span(&of_canonical, 1)).ok());
+    EXPECT_EQ(of_key.range, of_canonical.range);
+  }
+}
+
+TEST_P(EveryProducer, the_oracle_bounds_every_voxel_and_every_child) {
+  const auto producer = GetParam().make();
+  const TreeDescription& tree = producer->description();
+  std::vector<std::byte> voxels(tree.brick_bytes());
+  for (const NodeKey& asked : random_nodes(tree, 300)) {
+    const NodeKey key = producer->canonical(asked);
+    tree::NodeInfo info;
+    ASSERT_TRUE(producer->describe(std::span(&key, 1), std::span(&info, 1)).ok());
+    if (!info.range.constant()) {
+      ASSERT_TRUE(producer->produce(key, voxels).ok());
+      with_voxel_type(tree.type, [&](auto v) {
+        for (std::size_t i = 0; i < voxels.size(); i += sizeof(v)) {
+          std::memcpy(&v, &voxels[i], sizeof(v));
+          ASSERT_TRUE(info.range.contains(static_cast<float>(v))) << static_cast<float>(v);
+        }
+      });
+    }
+    if (info.terminal || key.level == tree.max_level) continue;
+    const int n = static_cast<int>(tree.n);
+    for (int i = 0; i < n * n * n; ++i) {
+      const NodeKey below = producer->canonical(child(key, n, i));
+      tree::NodeInfo child_info;
+      ASSERT_TRUE(producer->describe(std::span(&below, 1), std::span(&child_info, 1)).ok());
+      EXPECT_GE(child_info.range.minimum, info.range.minimum);
+      EXPECT_LE(child_info.range.maximum, info.range.maximum);
+    }
+  }
+}
+
+TEST(SpongeProducer, is_the_root_again_in_20_of_27_places_at_every_depth) {
+  const SpongeProducer sponge;
+  NodeKey at;
+  for (int depth = 0; depth < 10; ++depth) {
+    int again = 0;
+    for (int i = 0; i < 27; ++i) again += sponge.canonical(child(at, 3, i)) == NodeKey{} ? 1 : 0;
+    EXPECT_EQ(again, 20);
+    at = child(at, 3, depth % 2 == 0 ? 0 : 26);
+  }
+}
+
+TEST(FieldProducer, samples_at_voxel_centres) {
+  const auto producer = make_field_producer();
+  std::vector<std::byte> bytes(producer->description().brick_bytes());
+  ASSERT_TRUE(producer->produce(NodeKey{1, 2, 0, 1}, bytes).ok());
+  float value;
+  const std::size_t texel = 10 * (10 * 3 + 2) + 5;  // voxel (4, 1, 2)
+  std::memcpy(&value, &bytes[texel * sizeof(float)], sizeof(float));
+  const Vec3d p{(2 + 4.5 / 8) / 3, (0 + 1.5 / 8) / 3, (1 + 2.5 / 8) / 3};
+  EXPECT_NEAR(value, p.x + 2 * p.y - p.z, 1e-6);
+}
+
+}  // namespace
+}  // namespace gvx::produce

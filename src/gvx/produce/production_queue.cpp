@@ -37,8 +37,9 @@ void ProductionQueue::replace(const std::vector<Job>& jobs) {
   {
     const std::lock_guard lock(mutex_);
     waiting_.clear();
+    std::unordered_set<Job, JobHash> listed;
     for (const Job& job : jobs) {
-      if (!under_way_.contains(job)) waiting_.push_back(job);
+      if (!under_way_.contains(job) && listed.insert(job).second) waiting_.push_back(job);
     }
     std::reverse(waiting_.begin(), waiting_.end());
   }
@@ -58,7 +59,8 @@ void ProductionQueue::wait() {
 
 void ProductionQueue::wait_until(std::chrono::steady_clock::time_point deadline) {
   std::unique_lock lock(mutex_);
-  work_done_.wait_until(lock, deadline, [&] { return !finished_.empty() || (waiting_.empty() && making_ == 0); });
+  work_done_.wait_until(lock, deadline,
+                        [&] { return !finished_.empty() || (waiting_.empty() && making_ == 0); });
 }
 
 bool ProductionQueue::idle() const {
@@ -73,10 +75,7 @@ void ProductionQueue::work() {
     if (stopping_) return;
     const Job job = waiting_.back();
     waiting_.pop_back();
-    if (!under_way_.insert(job).second) {
-      work_done_.notify_all();
-      continue;
-    }
+    under_way_.insert(job);
     ++making_;
     lock.unlock();
     Produced produced = make(job);
@@ -96,7 +95,8 @@ Produced ProductionQueue::make(const Job& job) const {
     if (produced.status.ok()) produced.constant = single_value(tree.type, produced.voxels);
   } else {
     const int n = static_cast<int>(tree.n);
-    for (int i = 0; i < n * n * n; ++i) produced.child_keys.push_back(producer_->canonical(child(job.key, n, i)));
+    for (int i = 0; i < n * n * n; ++i)
+      produced.child_keys.push_back(producer_->canonical(child(job.key, n, i)));
     produced.children.resize(produced.child_keys.size());
     produced.status = producer_->describe(produced.child_keys, produced.children);
   }

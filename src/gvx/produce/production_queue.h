@@ -1,6 +1,6 @@
 /// \file
-/// ProductionQueue runs a producer beside rendering, on threads of its own: reading, decoding and describing happen
-/// there; committing what is finished is the engine's.
+/// ProductionQueue runs a producer beside rendering, on threads of its own: reading, decoding and describing
+/// happen there; committing what is finished is the engine's.
 #pragma once
 
 #include <chrono>
@@ -50,8 +50,8 @@ class ProductionQueue {
   ProductionQueue(const ProductionQueue&) = delete;
   ProductionQueue& operator=(const ProductionQueue&) = delete;
 
-  /// Replaces the jobs that have not begun by these, the most urgent first. Jobs that are being made or wait to be taken
-  /// are not made again.
+  /// Replaces the jobs that have not begun by these, the most urgent first. Jobs that are being made or wait
+  /// to be taken are not made again.
   void replace(const std::vector<Job>& jobs);
 
   /// What is finished, in the order of finishing. Does not wait.
@@ -73,8 +73,8 @@ class ProductionQueue {
   std::shared_ptr<const Producer> producer_;
   mutable std::mutex mutex_;
   std::condition_variable work_came_, work_done_;
-  std::vector<Job> waiting_;                     // the most urgent last
-  std::unordered_set<Job, JobHash> under_way_;   // being made, or finished and not yet taken
+  std::vector<Job> waiting_;                    // the most urgent last
+  std::unordered_set<Job, JobHash> under_way_;  // being made, or finished and not yet taken
   std::vector<Produced> finished_;
   std::size_t making_ = 0;
   bool stopping_ = false;

@@ -1,0 +1,106 @@
+#include "gvx/produce/production_queue.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+namespace gvx::produce {
+namespace {
+
+/// Makes bricks of one value, x of the key; fails where y is 99.
+class CountingProducer final : public Producer {
+ public:
+  CountingProducer() {
+    description_.n = 2;
+    description_.m = 8;
+    description_.max_level = 8;
+    description_.type = VoxelType::u16;
+  }
+  const TreeDescription& description() const override { return description_; }
+  Status describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const override {
+    for (std::size_t i = 0; i < keys.size(); ++i) infos[i] = {{0, static_cast<float>(keys[i].x)}, false};
+    return {};
+  }
+  Status produce(const NodeKey& key, std::span<std::byte> voxels) const override {
+    ++made;
+    if (key.y == 99) return Error{"no such brick"};
+    const auto value = static_cast<std::uint16_t>(key.x);
+    for (std::size_t i = 0; i < voxels.size(); i += 2) std::memcpy(&voxels[i], &value, 2);
+    if (key.z == 1) voxels[0] = std::byte{255};
+    return {};
+  }
+  mutable std::atomic<int> made{0};
+
+ private:
+  TreeDescription description_;
+};
+
+std::vector<Produced> finish(ProductionQueue& queue) {
+  std::vector<Produced> all;
+  while (!queue.idle()) {
+    queue.wait();
+    for (Produced& p : queue.take_finished()) all.push_back(std::move(p));
+  }
+  return all;
+}
+
+TEST(ProductionQueue, makes_every_job_once_and_recognises_constants) {
+  const auto producer = std::make_shared<CountingProducer>();
+  ProductionQueue queue(producer, 3);
+  std::vector<Job> jobs;
+  for (std::uint32_t x = 0; x < 200; ++x) jobs.push_back({{5, x, 0, x % 2}, JobKind::brick});
+  jobs.push_back({{3, 4, 5, 6}, JobKind::children});
+  jobs.push_back(jobs[0]);
+  queue.replace(jobs);
+  const auto made = finish(queue);
+  ASSERT_EQ(made.size(), 201u);
+  EXPECT_EQ(producer->made, 200);
+  for (const Produced& p : made) {
+    ASSERT_TRUE(p.status.ok());
+    if (p.job.kind == JobKind::children) {
+      EXPECT_EQ(p.child_keys[7], (NodeKey{4, 9, 11, 13}));
+      EXPECT_EQ(p.children[1].range, (ValueRange{0, 9}));
+    } else {
+      EXPECT_EQ(p.constant.has_value(), p.job.key.z == 0);
+      if (p.constant) {
+        EXPECT_EQ(*p.constant, static_cast<float>(p.job.key.x));
+      }
+    }
+  }
+}
+
+TEST(ProductionQueue, hands_on_errors) {
+  ProductionQueue queue(std::make_shared<CountingProducer>(), 2);
+  queue.replace({{{1, 0, 99, 0}, JobKind::brick}, {{1, 1, 0, 0}, JobKind::brick}});
+  const auto made = finish(queue);
+  ASSERT_EQ(made.size(), 2u);
+  const auto failed =
+      std::find_if(made.begin(), made.end(), [](const Produced& p) { return !p.status.ok(); });
+  ASSERT_NE(failed, made.end());
+  EXPECT_EQ(failed->status.error().message, "no such brick");
+}
+
+TEST(ProductionQueue, replacing_forgets_what_has_not_begun) {
+  const auto producer = std::make_shared<CountingProducer>();
+  ProductionQueue queue(producer, 1);
+  std::vector<Job> many;
+  for (std::uint32_t x = 0; x < 5000; ++x) many.push_back({{9, x, 0, 0}, JobKind::brick});
+  queue.replace(many);
+  queue.replace({});
+  const auto made = finish(queue);
+  EXPECT_LT(made.size(), 5000u);
+  EXPECT_EQ(made.size(), static_cast<std::size_t>(producer->made));
+}
+
+TEST(ProductionQueue, stops_with_work_left) {
+  ProductionQueue queue(std::make_shared<CountingProducer>(), 2);
+  std::vector<Job> many;
+  for (std::uint32_t x = 0; x < 100000; ++x) many.push_back({{9, x, 0, 0}, JobKind::brick});
+  queue.replace(many);
+  EXPECT_FALSE(queue.idle());
+}
+
+}  // namespace
+}  // namespace gvx::produce

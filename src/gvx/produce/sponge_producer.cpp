@@ -5,8 +5,9 @@
 namespace gvx::produce {
 namespace {
 
-// What voxels resolve of the sponge: its third generation, 27 cells across, sampled with 4^3 points a voxel.
-constexpr int kGenerations = 3;
+// What voxels resolve of the sponge: its first generation, 3 cells across, sampled with 4^3 points a voxel.
+// More would be detail as fine as pixels, whose gradients are noise.
+constexpr int kGenerations = 1;
 constexpr int kSamples = 4;
 
 /// The node that stands for every hole: the middle of the root.
@@ -53,14 +54,16 @@ Status SpongeProducer::describe(std::span<const NodeKey> keys, std::span<tree::N
 Status SpongeProducer::produce(const NodeKey& key, std::span<std::byte> voxels) const {
   GVX_CHECK(key == NodeKey{});
   const int m = static_cast<int>(description_.m);
-  // The border repeats the outermost voxels: what is beyond depends on which of its places the brick stands in.
+  // What is beyond the brick depends on which of its places it stands in. It is taken as empty, so that faces
+  // have a gradient; where the neighbour is solid too, coverage falls to a half on the shared face, which is
+  // solid still.
   const auto coverage = [&](int x, int y, int z) {
+    if (std::min({x, y, z}) < 0 || std::max({x, y, z}) >= m) return std::byte{0};
     int hits = 0;
     for (int s = 0; s < kSamples * kSamples * kSamples; ++s) {
-      const auto at = [&](int voxel, int sample) {
-        return (std::clamp(voxel, 0, m - 1) + (sample + 0.5) / kSamples) / m;
-      };
-      hits += inside(at(x, s % kSamples), at(y, s / kSamples % kSamples), at(z, s / kSamples / kSamples)) ? 1 : 0;
+      const auto at = [&](int voxel, int sample) { return (voxel + (sample + 0.5) / kSamples) / m; };
+      hits +=
+          inside(at(x, s % kSamples), at(y, s / kSamples % kSamples), at(z, s / kSamples / kSamples)) ? 1 : 0;
     }
     return static_cast<std::byte>(hits * 255 / (kSamples * kSamples * kSamples));
   };

@@ -1,6 +1,6 @@
 /// \file
-/// SpongeProducer: the Sierpinski (Menger) sponge, by one recursive tile and one brick, as example 2 of the 2008 report
-/// and figure 3.27 of the GPU Pro text: every solid child of the root is the root again.
+/// SpongeProducer: the Sierpinski (Menger) sponge, by one recursive tile and one brick, as example 2 of the
+/// 2008 report and figure 3.27 of the GPU Pro text: every solid child of the root is the root again.
 #pragma once
 
 #include "gvx/produce/producer.h"
@@ -15,8 +15,11 @@ class SpongeProducer final : public Producer {
 
   explicit SpongeProducer(std::uint32_t m = 16);
 
-  /// Is the child (x, y, z) of a sponge, each 0 to 2, part of it? It is not where two or more coordinates are 1.
-  static bool solid(std::uint32_t x, std::uint32_t y, std::uint32_t z) { return (x == 1) + (y == 1) + (z == 1) < 2; }
+  /// Is the child (x, y, z) of a sponge, each 0 to 2, part of it? It is not where two or more coordinates
+  /// are 1.
+  static bool solid(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return (x == 1) + (y == 1) + (z == 1) < 2;
+  }
 
   const TreeDescription& description() const override { return description_; }
   NodeKey canonical(const NodeKey& key) const override;

@@ -26,8 +26,11 @@ Status StoreProducer::describe(std::span<const NodeKey> keys, std::span<tree::No
   const store::VolumeInfo& info = reader_->info();
   for (std::size_t i = 0; i < keys.size(); ++i) {
     if (!info.shape.contains(keys[i])) {
-      // Beyond the volume, where no ray samples: any constant will do.
-      infos[i] = {{info.range.minimum, info.range.minimum}, true};
+      // Beyond the volume, where no ray samples: any constant within the parent's range will do.
+      const NodeKey above = parent(keys[i], static_cast<int>(description_.n));
+      const bool known = info.shape.contains(above);
+      GVX_ASSIGN(const store::NodeRecord record, reader_->node(known ? above : NodeKey{}));
+      infos[i] = {{record.range.minimum, record.range.minimum}, true};
       continue;
     }
     GVX_ASSIGN(const store::NodeRecord record, reader_->node(keys[i]));

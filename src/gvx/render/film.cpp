@@ -48,7 +48,8 @@ Picture Film::develop(Vec3f background, bool opaque_background) const {
         color = {};
         opacity = 0;
         for (std::uint32_t block = 1; block <= kLargestBlock; block *= 2) {
-          const PreviewPixel& p = preview_.view()[std::size_t(y / block * block) * width_ + x / block * block];
+          const PreviewPixel& p =
+              preview_.view()[std::size_t(y / block * block) * width_ + x / block * block];
           if (p.epoch != epoch_) continue;
           color = p.color;
           opacity = p.opacity;

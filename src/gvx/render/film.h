@@ -13,7 +13,8 @@
 
 namespace gvx::render {
 
-/// A finished picture: display (sRGB) red, green, blue and alpha, 0 to 1, not multiplied by alpha; rows from the top.
+/// A finished picture: display (sRGB) red, green, blue and alpha, 0 to 1, not multiplied by alpha; rows from
+/// the top.
 struct Picture {
   std::uint32_t width = 0, height = 0;
   std::vector<float> rgba;
@@ -25,11 +26,11 @@ struct Picture {
 
 /// What the pixels of a film add up to.
 struct FilmTotals {
-  std::uint64_t samples = 0;       ///< taken by exact rays
-  std::uint64_t unfinished = 0;    ///< exact rays
-  std::uint64_t wanted = 0;        ///< stretches of preview rays that wanted data
-  std::uint64_t resident = 0;      ///< of these, those that had it at the level wanted
-  std::uint32_t worst_lack = 0;    ///< the most levels by which one fell short
+  std::uint64_t samples = 0;     ///< taken by exact rays
+  std::uint64_t unfinished = 0;  ///< exact rays
+  std::uint64_t wanted = 0;      ///< stretches of preview rays that wanted data
+  std::uint64_t resident = 0;    ///< of these, those that had it at the level wanted
+  std::uint32_t worst_lack = 0;  ///< the most levels by which one fell short
 };
 
 class Film {

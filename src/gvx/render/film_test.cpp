@@ -11,8 +11,10 @@ TEST(Film, shows_finished_rays_then_the_finest_preview_then_the_background) {
   film.preview()[2] = {{0, 0.5f, 0}, 0.5f, 1, 1, 0, 1};   // of block 2: pixels (2..3, 0..1)
   film.rays()[3] = {7, {0, 0, 1}, 1, RayPhase::finished, 11, 1};
   const Picture picture = film.develop({0, 0, 0.5f}, true);
-  const auto pixel = [&](int x, int y) { return Vec3f(picture.rgba[4 * (5 * y + x)], picture.rgba[4 * (5 * y + x) + 1],
-                                                      picture.rgba[4 * (5 * y + x) + 2]); };
+  const auto pixel = [&](int x, int y) {
+    return Vec3f(picture.rgba[4 * (5 * y + x)], picture.rgba[4 * (5 * y + x) + 1],
+                 picture.rgba[4 * (5 * y + x) + 2]);
+  };
   EXPECT_EQ(pixel(0, 0), Vec3f(0.25f, 0, 0.25f));
   EXPECT_EQ(pixel(4, 2), Vec3f(0.25f, 0, 0.25f));
   EXPECT_EQ(pixel(2, 1), Vec3f(0, 0.5f, 0.25f));

@@ -44,10 +44,12 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   v.height = view.height;
   v.world_to_tree = inverse(placement.tree_to_world);
   const Vec3d size = placement.extent.maximum - placement.extent.minimum;
-  const Box3d clip{placement.extent.minimum + view.clip.minimum * size, placement.extent.minimum + view.clip.maximum * size};
+  const Box3d clip{placement.extent.minimum + view.clip.minimum * size,
+                   placement.extent.minimum + view.clip.maximum * size};
   v.box = intersect(clip, placement.extent);
 
-  const double finest_voxels = nodes_across(placement.n, static_cast<std::uint32_t>(placement.max_level)) * placement.m;
+  const double finest_voxels =
+      nodes_across(placement.n, static_cast<std::uint32_t>(placement.max_level)) * placement.m;
   const Affine3& place = placement.tree_to_world;
   const Vec3d spacing =
       Vec3d(length(place.column[0]), length(place.column[1]), length(place.column[2])) / finest_voxels;
@@ -75,7 +77,8 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   for (int level = 0; level <= placement.max_level; ++level) {
     step_units.push_back(v.tick_world * static_cast<double>(v.stride[level]) / unit);
   }
-  const scene::TransferTable table = scene::bake(view.function, placement.scale, placement.offset, step_units);
+  const scene::TransferTable table =
+      scene::bake(view.function, placement.scale, placement.offset, step_units);
   frame.colors_ = upload(device, table.colors);
   frame.opacities_ = upload(device, table.opacities);
   frame.opaque_before_ = upload(device, table.opaque_before);

@@ -1,9 +1,11 @@
 /// \file
-/// Frame: everything that is the same for all rays of a picture, computed once; FrameView is what kernels take.
+/// Frame: everything that is the same for all rays of a picture, computed once; FrameView is what kernels
+/// take.
 ///
-/// Along a ray, t is the distance from the camera in the world. Steps are counted in *ticks*, steps of the finest level,
-/// from where the ray enters the volume. A step of level l is stride[l] = N^(max_level - l) ticks long and starts at a
-/// multiple of it, so that where a ray takes its samples depends on the ray alone: not on nodes, not on what is resident.
+/// Along a ray, t is the distance from the camera in the world. Steps are counted in *ticks*, steps of the
+/// finest level, from where the ray enters the volume. A step of level l is stride[l] = N^(max_level - l)
+/// ticks long and starts at a multiple of it, so that where a ray takes its samples depends on the ray alone:
+/// not on nodes, not on what is resident.
 #pragma once
 
 #include <cstdint>
@@ -55,8 +57,8 @@ struct FrameView {
   Box3d box;  ///< of the visible volume in tree space
   double tick_world = 0;
   int max_level = 0;
-  double lod_distance[kMaxLevels] = {};      ///< level l serves from here on outwards
-  std::int64_t stride[kMaxLevels] = {};      ///< of a step of level l, in ticks
+  double lod_distance[kMaxLevels] = {};  ///< level l serves from here on outwards
+  std::int64_t stride[kMaxLevels] = {};  ///< of a step of level l, in ticks
   scene::TransferView function;
   scene::Lighting lighting;
   Vec3f to_light;

@@ -1,7 +1,7 @@
 /// \file
-/// What one ray does: descend to the node at its next sample, leap over it where it is transparent, march its brick
-/// where it is resident, and otherwise ask for what is missing. Two ways to meet missing data: an exact ray stops there
-/// and keeps its state; a preview ray makes do with the finest resident ancestor and goes on.
+/// What one ray does: descend to the node at its next sample, leap over it where it is transparent, march its
+/// brick where it is resident, and otherwise ask for what is missing. Two ways to meet missing data: an exact
+/// ray stops there and keeps its state; a preview ray makes do with the finest resident ancestor and goes on.
 ///
 /// One scalar ray at a time. The picture is defined here; faster loops must reproduce it.
 #pragma once
@@ -96,11 +96,11 @@ class RayMarcher {
     enum Kind { transparent, constant, brick, nothing } kind = nothing;
     std::uint32_t lack = 0;  ///< what must be asked for at `node`
     NodeIndex node;
-    int level = 0;              ///< of the node
-    double cell[3] = {};        ///< of the node, in nodes of its level
-    BrickIndex slot;            ///< of the brick to sample
-    int brick_level = 0;        ///< of that brick: the node's, or an ancestor's in a preview
-    int ancestor_level = -1;    ///< of the finest ancestor with a brick, -1 for none
+    int level = 0;            ///< of the node
+    double cell[3] = {};      ///< of the node, in nodes of its level
+    BrickIndex slot;          ///< of the brick to sample
+    int brick_level = 0;      ///< of that brick: the node's, or an ancestor's in a preview
+    int ancestor_level = -1;  ///< of the finest ancestor with a brick, -1 for none
     BrickIndex ancestor_slot;
   };
 
@@ -186,14 +186,16 @@ class RayMarcher {
     }
   }
 
-  /// Replaces a lack by the finest resident ancestor's brick, and asks for the node's own brick on the way down.
+  /// Replaces a lack by the finest resident ancestor's brick, and asks for the node's own brick on the way
+  /// down.
   GVX_HD void fall_back(const Step& step, Place& place, PreviewPixel& pixel) const {
     const bool has_own = view_.nodes.content[place.node.value].kind() == tree::ContentKind::brick;
     if (!has_own) view_.requests.request(place.node, place.lack | cache::kNeedsBrick, 1.0f);
     place.kind = place.ancestor_level >= 0 ? Place::brick : Place::nothing;
     place.slot = place.ancestor_slot;
     place.brick_level = place.ancestor_level;
-    const auto lack = static_cast<std::uint32_t>(step.level - (place.ancestor_level >= 0 ? place.ancestor_level : 0));
+    const auto lack =
+        static_cast<std::uint32_t>(step.level - (place.ancestor_level >= 0 ? place.ancestor_level : 0));
     pixel.worst_lack = lack > pixel.worst_lack ? lack : pixel.worst_lack;
   }
 
@@ -247,8 +249,8 @@ class RayMarcher {
     add(state, function.color(at), all);
   }
 
-  GVX_HD void gather_brick(RayState& state, const Step& step, const Place& place, int step_level, double t_step,
-                           std::int64_t steps) const {
+  GVX_HD void gather_brick(RayState& state, const Step& step, const Place& place, int step_level,
+                           double t_step, std::int64_t steps) const {
     const FrameView& frame = view_.frame;
     const Voxel* voxels = view_.bricks.brick(place.slot);
     double across = 1, shrink = 1;
@@ -277,13 +279,13 @@ class RayMarcher {
   GVX_HD Vec3f lit(Vec3f color, Vec3f gradient_voxel) const {
     const float steep = length(gradient_voxel);
     const Vec3f gradient_world = Vec3f(view_.frame.world_to_tree.transposed_vector(Vec3d(gradient_voxel)));
-    return scene::shade<float>(view_.frame.lighting, color, gradient_world, steep / (steep + view_.frame.soft_gradient),
-                               to_eye_, view_.frame.to_light);
+    return scene::shade<float>(view_.frame.lighting, color, gradient_world,
+                               steep / (steep + view_.frame.soft_gradient), to_eye_, view_.frame.to_light);
   }
 
   const PassView<Voxel, N, M>& view_;
-  Ray ray_;            // in tree space; t is the distance in the world
-  Vec3f to_eye_;       // in the world
+  Ray ray_;             // in tree space; t is the distance in the world
+  Vec3f to_eye_;        // in the world
   RayInterval inside_;  // of the visible volume
 };
 

@@ -1,6 +1,6 @@
 /// \file
-/// The kernels of march_pass.h, as templates over the voxel type; each march_*.cpp instantiates one type. Private to
-/// this room, and for device sources only.
+/// The kernels of march_pass.h, as templates over the voxel type; each march_*.cpp instantiates one type.
+/// Private to this room, and for device sources only.
 #pragma once
 
 #include "gvx/exec/for_each.h"
@@ -11,8 +11,9 @@ namespace gvx::render::kernels {
 
 template <typename Voxel, int N, int M>
 PassView<Voxel, N, M> view_of(const Pass& pass) {
-  return {pass.frame,       pass.nodes,    {static_cast<const Voxel*>(pass.voxels)}, pass.tile_usage,
-          pass.brick_usage, pass.requests, pass.number};
+  return {pass.frame,      pass.nodes,       {static_cast<const Voxel*>(pass.voxels)},
+          pass.tile_usage, pass.brick_usage, pass.requests,
+          pass.number};
 }
 
 template <typename Voxel, int N, int M>
@@ -60,9 +61,13 @@ bool with_view(const Pass& pass, Function function) {
   const auto with_m = [&](auto n) {
     constexpr int N = decltype(n)::value;
     switch (pass.m) {
-      case 8: return function(view_of<Voxel, N, 8>(pass));
-      case 16: return function(view_of<Voxel, N, 16>(pass));
-      default: GVX_CHECK(pass.m == 32); return function(view_of<Voxel, N, 32>(pass));
+      case 8:
+        return function(view_of<Voxel, N, 8>(pass));
+      case 16:
+        return function(view_of<Voxel, N, 16>(pass));
+      default:
+        GVX_CHECK(pass.m == 32);
+        return function(view_of<Voxel, N, 32>(pass));
     }
   };
   GVX_CHECK(pass.n == 2 || pass.n == 3);
@@ -82,19 +87,21 @@ bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid gr
 template <typename Voxel>
 bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
                    exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
-                   bool refine, exec::BufferView<const RayState> rays, exec::BufferView<PreviewPixel> pixels) {
+                   bool refine, exec::BufferView<const RayState> rays,
+                   exec::BufferView<PreviewPixel> pixels) {
   return with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
     return exec::for_each_pixel(device, "march_preview", grid, tiles, deadline,
                                 MarchPreview<Voxel, N, M>{view, block, refine, rays, pixels, pass.epoch});
   });
 }
 
-#define GVX_INSTANTIATE_MARCH(PREFIX, VOXEL)                                                                         \
-  PREFIX template bool march_exact<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,                          \
-                                          exec::BufferView<const std::uint32_t>, exec::Deadline,                     \
-                                          exec::BufferView<RayState>, exec::BufferView<std::uint32_t>);              \
-  PREFIX template bool march_preview<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,                        \
-                                            exec::BufferView<const std::uint32_t>, exec::Deadline, std::uint32_t,    \
-                                            bool, exec::BufferView<const RayState>, exec::BufferView<PreviewPixel>);
+#define GVX_INSTANTIATE_MARCH(PREFIX, VOXEL)                                                            \
+  PREFIX template bool march_exact<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,             \
+                                          exec::BufferView<const std::uint32_t>, exec::Deadline,        \
+                                          exec::BufferView<RayState>, exec::BufferView<std::uint32_t>); \
+  PREFIX template bool march_preview<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,           \
+                                            exec::BufferView<const std::uint32_t>, exec::Deadline,      \
+                                            std::uint32_t, bool, exec::BufferView<const RayState>,      \
+                                            exec::BufferView<PreviewPixel>);
 
 }  // namespace gvx::render::kernels

@@ -1,5 +1,6 @@
 /// \file
-/// One pass of all rays over what is resident: the launch of the march's kernels for the voxel type, N and M of a tree.
+/// One pass of all rays over what is resident: the launch of the march's kernels for the voxel type, N and M
+/// of a tree.
 #pragma once
 
 #include <cstdint>
@@ -29,14 +30,16 @@ struct Pass {
   std::uint32_t epoch = 0;   ///< of the film
 };
 
-/// Marches the exact rays of the listed tiles; sets unfinished[tile] = 1 where a ray of the tile is not finished.
-/// `unfinished` has an entry per tile of the grid. Returns whether all tiles were begun before the deadline.
+/// Marches the exact rays of the listed tiles; sets unfinished[tile] = 1 where a ray of the tile is not
+/// finished. `unfinished` has an entry per tile of the grid. Returns whether all tiles were begun before the
+/// deadline.
 bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
                  exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
                  exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished);
 
-/// Draws preview pixels at multiples of `block`, except those that a block twice as large has drawn (where `refine`) and
-/// those whose exact ray is finished. The grid is that of the blocks: ceil(width / block) by ceil(height / block).
+/// Draws preview pixels at multiples of `block`, except those that a block twice as large has drawn (where
+/// `refine`) and those whose exact ray is finished. The grid is that of the blocks: ceil(width / block) by
+/// ceil(height / block).
 bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
                    exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
                    bool refine, exec::BufferView<const RayState> rays, exec::BufferView<PreviewPixel> pixels);

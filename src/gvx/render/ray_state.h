@@ -1,6 +1,6 @@
 /// \file
-/// RayState: how far a ray has come and what it has gathered. An exact ray that lacks data keeps its state and goes on
-/// from there in the next pass (2008 report: interrupt and resume).
+/// RayState: how far a ray has come and what it has gathered. An exact ray that lacks data keeps its state
+/// and goes on from there in the next pass (2008 report: interrupt and resume).
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,12 @@ namespace gvx::render {
 
 enum class RayPhase : std::uint32_t { under_way = 0, finished = 1 };
 
-/// 40 bytes. A state of another epoch than the film's is a ray that has not begun: clearing a film costs nothing.
+/// 40 bytes. A state of another epoch than the film's is a ray that has not begun: clearing a film costs
+/// nothing.
 struct RayState {
-  std::int64_t tick = 0;    ///< where the next step starts
-  Vec3f color;              ///< gathered so far, multiplied by its opacity
-  float opacity = 0;        ///< 1 - transmittance
+  std::int64_t tick = 0;  ///< where the next step starts
+  Vec3f color;            ///< gathered so far, multiplied by its opacity
+  float opacity = 0;      ///< 1 - transmittance
   RayPhase phase = RayPhase::under_way;
   std::uint32_t samples = 0;
   std::uint32_t epoch = 0;
@@ -25,8 +26,8 @@ struct RayState {
 struct PreviewPixel {
   Vec3f color;  ///< multiplied by its opacity
   float opacity = 0;
-  std::uint32_t wanted = 0;    ///< stretches of the ray that wanted data
-  std::uint32_t resident = 0;  ///< of these, those that had it at the level wanted
+  std::uint32_t wanted = 0;      ///< stretches of the ray that wanted data
+  std::uint32_t resident = 0;    ///< of these, those that had it at the level wanted
   std::uint32_t worst_lack = 0;  ///< the most levels between one wanted and the one shown
   std::uint32_t epoch = 0;       ///< of the film when it was drawn; of another: not drawn
 };

@@ -12,7 +12,8 @@ namespace {
 constexpr double kRadians = std::numbers::pi / 180;
 
 Error bad_camera(const std::string& what) {
-  return Error{"camera: " + what + "; expected eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees (or height=world)"};
+  return Error{"camera: " + what +
+               "; expected eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees (or height=world)"};
 }
 
 Result<double> parse_number(std::string_view text) {
@@ -40,7 +41,9 @@ std::string number_text(double v) {
   return std::string(text, std::to_chars(text, text + sizeof(text), v).ptr);
 }
 
-std::string vector_text(Vec3d v) { return number_text(v.x) + ',' + number_text(v.y) + ',' + number_text(v.z); }
+std::string vector_text(Vec3d v) {
+  return number_text(v.x) + ',' + number_text(v.y) + ',' + number_text(v.z);
+}
 
 }  // namespace
 
@@ -48,7 +51,8 @@ Result<CameraView> make_view(const Camera& camera, std::uint32_t width, std::uin
   const Vec3d look = camera.target - camera.eye;
   const Vec3d side = cross(look, camera.up);
   if (!(length(look) > 0)) return bad_camera("eye and target are the same point");
-  if (!(length(side) > 1e-12 * length(look) * length(camera.up))) return bad_camera("up points along the view");
+  if (!(length(side) > 1e-12 * length(look) * length(camera.up)))
+    return bad_camera("up points along the view");
   if (!camera.orthographic() && !(camera.fov_degrees > 0 && camera.fov_degrees < 180)) {
     return bad_camera("fov must be between 0 and 180 degrees");
   }
@@ -58,14 +62,16 @@ Result<CameraView> make_view(const Camera& camera, std::uint32_t width, std::uin
   view.right = normalize(side);
   view.up = cross(view.right, view.forward);
   view.orthographic = camera.orthographic();
-  view.pixel = (view.orthographic ? camera.height_world : 2 * std::tan(camera.fov_degrees / 2 * kRadians)) / height;
+  view.pixel =
+      (view.orthographic ? camera.height_world : 2 * std::tan(camera.fov_degrees / 2 * kRadians)) / height;
   view.half_width = width / 2.0;
   view.half_height = height / 2.0;
   return view;
 }
 
 std::string to_text(const Camera& camera) {
-  return "eye=" + vector_text(camera.eye) + ";target=" + vector_text(camera.target) + ";up=" + vector_text(camera.up) +
+  return "eye=" + vector_text(camera.eye) + ";target=" + vector_text(camera.target) +
+         ";up=" + vector_text(camera.up) +
          (camera.orthographic() ? ";height=" + number_text(camera.height_world)
                                 : ";fov=" + number_text(camera.fov_degrees));
 }
@@ -112,7 +118,8 @@ Camera frame_box(const Box3d& extent, const Affine3& extent_to_world, bool anato
   const double tangent = std::tan(camera.fov_degrees / 2 * kRadians) * 0.95;
   double distance = 0;
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3d p{corner & 1 ? extent.maximum.x : extent.minimum.x, corner & 2 ? extent.maximum.y : extent.minimum.y,
+    const Vec3d p{corner & 1 ? extent.maximum.x : extent.minimum.x,
+                  corner & 2 ? extent.maximum.y : extent.minimum.y,
                   corner & 4 ? extent.maximum.z : extent.minimum.z};
     const Vec3d d = extent_to_world.point(p) - camera.target;
     const double across = std::max(std::abs(dot(d, up)), std::abs(dot(d, right)) / aspect);

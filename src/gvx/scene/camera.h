@@ -42,14 +42,15 @@ struct CameraView {
 /// An error where eye, target and up span no view, or an angle is out of range.
 Result<CameraView> make_view(const Camera& camera, std::uint32_t width, std::uint32_t height);
 
-/// The text that parse_camera takes: "eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees" (or height=world), to full precision.
+/// The text that parse_camera takes: "eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees" (or height=world), to full
+/// precision.
 std::string to_text(const Camera& camera);
 
 /// Reads what to_text writes; parts may be left out and keep the value they have in `defaults`.
 Result<Camera> parse_camera(const std::string& text, const Camera& defaults);
 
-/// Frames the world-space image of the box `extent` from a little to one side and above; an anatomical volume (x to
-/// the right, y to the front, z up) is seen in the face.
+/// Frames the world-space image of the box `extent` from a little to one side and above; an anatomical volume
+/// (x to the right, y to the front, z up) is seen in the face.
 Camera frame_box(const Box3d& extent, const Affine3& extent_to_world, bool anatomical, double aspect);
 
 }  // namespace gvx::scene

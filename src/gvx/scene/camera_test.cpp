@@ -45,7 +45,8 @@ TEST(Camera, frame_box_shows_every_corner) {
     const CameraView view = make_view(camera, static_cast<std::uint32_t>(1000 * aspect), 1000).value();
     double reach = 0;
     for (int corner = 0; corner < 8; ++corner) {
-      const Vec3d p = to_world.point({corner & 1 ? 1.0 : 0.0, corner & 2 ? 0.5 : 0.0, corner & 4 ? 0.25 : 0.0});
+      const Vec3d p =
+          to_world.point({corner & 1 ? 1.0 : 0.0, corner & 2 ? 0.5 : 0.0, corner & 4 ? 0.25 : 0.0});
       const Vec3d d = p - view.eye;
       const double depth = dot(d, view.forward);
       ASSERT_GT(depth, 0);

@@ -21,14 +21,14 @@ struct Lighting {
 
 /// The direction to the light: over the viewer's left shoulder.
 GVX_HD inline Vec3d direction_to_light(Vec3d forward, Vec3d right, Vec3d up) {
-  return normalize(-forward - 0.35 * right + 0.5 * up);
+  return normalize(-forward - 0.6 * right + 0.7 * up);
 }
 
-/// A colour lit at a point with this world-space gradient. `certainty`, 0 to 1, says how much of a surface it is:
-/// homogeneous matter has no normal and keeps its colour. Both sides of a surface are lit.
+/// A colour lit at a point with this world-space gradient. `certainty`, 0 to 1, says how much of a surface it
+/// is: homogeneous matter has no normal and keeps its colour. Both sides of a surface are lit.
 template <typename Real>
-GVX_HD inline Vec3<Real> shade(const Lighting& lighting, Vec3<Real> color, Vec3<Real> gradient, Real certainty,
-                               Vec3<Real> to_eye, Vec3<Real> to_light) {
+GVX_HD inline Vec3<Real> shade(const Lighting& lighting, Vec3<Real> color, Vec3<Real> gradient,
+                               Real certainty, Vec3<Real> to_eye, Vec3<Real> to_light) {
   const Real gradient_length = length(gradient);
   if (!(gradient_length > Real(0))) return color;
   const Vec3<Real> normal = gradient / gradient_length;

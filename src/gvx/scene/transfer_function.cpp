@@ -9,8 +9,8 @@ namespace {
 /// Linear interpolation in points sorted by .value; of two points of one value the later holds from there on.
 template <typename Point, typename Member>
 auto interpolate(const std::vector<Point>& points, double value, Member member) {
-  const auto after =
-      std::upper_bound(points.begin(), points.end(), value, [](double v, const Point& p) { return v < p.value; });
+  const auto after = std::upper_bound(points.begin(), points.end(), value,
+                                      [](double v, const Point& p) { return v < p.value; });
   if (after == points.begin()) return points.front().*member;
   if (after == points.end()) return points.back().*member;
   const auto before = after - 1;
@@ -20,9 +20,13 @@ auto interpolate(const std::vector<Point>& points, double value, Member member) 
 
 }  // namespace
 
-Vec3d TransferFunction::color(double value) const { return interpolate(colors, value, &ColorPoint::color); }
+Vec3d TransferFunction::color(double value) const {
+  return interpolate(colors, value, &ColorPoint::color);
+}
 
-double TransferFunction::opacity(double value) const { return interpolate(opacities, value, &OpacityPoint::opacity); }
+double TransferFunction::opacity(double value) const {
+  return interpolate(opacities, value, &OpacityPoint::opacity);
+}
 
 bool TransferFunction::transparent(double minimum, double maximum) const {
   if (opacity(minimum) > 0 || opacity(maximum) > 0) return false;
@@ -40,7 +44,8 @@ Status check(const TransferFunction& function) {
   for (std::size_t i = 0; i < function.colors.size(); ++i) {
     const ColorPoint& p = function.colors[i];
     if (!std::isfinite(p.value)) return bad("colour", i, "has no finite value");
-    if (i > 0 && p.value < function.colors[i - 1].value) return bad("colour", i, "is below the one before it");
+    if (i > 0 && p.value < function.colors[i - 1].value)
+      return bad("colour", i, "is below the one before it");
     for (int c = 0; c < 3; ++c) {
       if (!(p.color[c] >= 0 && p.color[c] <= 1)) return bad("colour", i, "has a component outside 0 to 1");
     }
@@ -48,7 +53,8 @@ Status check(const TransferFunction& function) {
   for (std::size_t i = 0; i < function.opacities.size(); ++i) {
     const OpacityPoint& p = function.opacities[i];
     if (!std::isfinite(p.value)) return bad("opacity", i, "has no finite value");
-    if (i > 0 && p.value < function.opacities[i - 1].value) return bad("opacity", i, "is below the one before it");
+    if (i > 0 && p.value < function.opacities[i - 1].value)
+      return bad("opacity", i, "is below the one before it");
     if (!(p.opacity >= 0 && p.opacity <= 1)) return bad("opacity", i, "is outside 0 to 1");
   }
   if (!(function.unit_distance >= 0) || !std::isfinite(function.unit_distance)) {
@@ -57,7 +63,8 @@ Status check(const TransferFunction& function) {
   return {};
 }
 
-TransferTable bake(const TransferFunction& function, double scale, double offset, std::span<const double> step_units) {
+TransferTable bake(const TransferFunction& function, double scale, double offset,
+                   std::span<const double> step_units) {
   constexpr int kEntries = TransferView::kEntries;
   const double first = std::min(function.colors.front().value, function.opacities.front().value);
   double last = std::max(function.colors.back().value, function.opacities.back().value);

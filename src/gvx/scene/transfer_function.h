@@ -1,5 +1,6 @@
 /// \file
-/// TransferFunction: physical value to colour and opacity, piecewise linear; and the table that kernels look up.
+/// TransferFunction: physical value to colour and opacity, piecewise linear; and the table that kernels look
+/// up.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,8 @@ struct OpacityPoint {
   constexpr bool operator==(const OpacityPoint&) const = default;
 };
 
-/// Values are physical (Hounsfield units for a CT). Beyond its first and last points a curve stays as it is there.
+/// Values are physical (Hounsfield units for a CT). Beyond its first and last points a curve stays as it is
+/// there.
 struct TransferFunction {
   std::vector<ColorPoint> colors;       ///< ascending, at least one
   std::vector<OpacityPoint> opacities;  ///< ascending, at least one; two points of one value make a step
@@ -83,9 +85,10 @@ struct TransferView {
 
 /// The table's host side: sampled from the function over the values between its outermost points.
 struct TransferTable {
-  std::vector<Vec3f> colors;                 ///< kEntries
-  std::vector<float> opacities;              ///< kEntries per step length
-  std::vector<std::uint32_t> opaque_before;  ///< kEntries + 1: how many entries before this one are not transparent
+  std::vector<Vec3f> colors;     ///< kEntries
+  std::vector<float> opacities;  ///< kEntries per step length
+  std::vector<std::uint32_t>
+      opaque_before;  ///< kEntries + 1: how many entries before this one are not transparent
   float to_entry_scale = 0, to_entry_offset = 0;
 
   TransferView view() const {
@@ -93,20 +96,23 @@ struct TransferTable {
   }
 };
 
-/// Samples a function for stored values with physical = scale * stored + offset, and for each of `step_units`, the
-/// length of a step in unit distances: the opacity of a step is 1 - (1 - opacity)^step_units.
-TransferTable bake(const TransferFunction& function, double scale, double offset, std::span<const double> step_units);
+/// Samples a function for stored values with physical = scale * stored + offset, and for each of
+/// `step_units`, the length of a step in unit distances: the opacity of a step is 1 - (1 -
+/// opacity)^step_units.
+TransferTable bake(const TransferFunction& function, double scale, double offset,
+                   std::span<const double> step_units);
 
 /// The names that preset() knows.
 std::span<const char* const> preset_names();
 
 /// What is known of a volume when no transfer function is given.
 struct ValueStatistics {
-  double minimum = 0, maximum = 0;         ///< physical
-  std::vector<std::uint64_t> histogram;    ///< equal bins from minimum to maximum; may be empty
+  double minimum = 0, maximum = 0;       ///< physical
+  std::vector<std::uint64_t> histogram;  ///< equal bins from minimum to maximum; may be empty
 };
 
-/// A ready transfer function by name; "gray" fits itself to the statistics, the CT presets speak of Hounsfield units.
+/// A ready transfer function by name; "gray" fits itself to the statistics, the CT presets speak of
+/// Hounsfield units.
 Result<TransferFunction> preset(const std::string& name, const ValueStatistics& statistics);
 
 /// The preset that suits values like these: a CT by its Hounsfield range, "gray" for the rest.

@@ -9,7 +9,8 @@ namespace gvx::scene {
 namespace {
 
 TransferFunction tent() {
-  return {{{0, {0, 0, 0}}, {100, {1, 0.5, 0.25}}}, {{-50, 0}, {10, 0}, {20, 0.5}, {30, 0}, {80, 0}, {80, 1}}, 0};
+  return {
+      {{0, {0, 0, 0}}, {100, {1, 0.5, 0.25}}}, {{-50, 0}, {10, 0}, {20, 0.5}, {30, 0}, {80, 0}, {80, 1}}, 0};
 }
 
 TEST(TransferFunction, is_piecewise_linear_with_steps_and_constant_beyond) {
@@ -83,8 +84,9 @@ TEST(TransferFunction, check_names_the_point) {
 
 TEST(Presets, all_are_sound_whatever_the_statistics) {
   for (const char* name : preset_names()) {
-    for (const ValueStatistics& s : {ValueStatistics{0, 255, {}}, ValueStatistics{-1024, 3000, {5, 4, 3, 2, 1}},
-                                     ValueStatistics{7, 7, {0, 0}}}) {
+    for (const ValueStatistics& s :
+         {ValueStatistics{0, 255, {}}, ValueStatistics{-1024, 3000, {5, 4, 3, 2, 1}},
+          ValueStatistics{7, 7, {0, 0}}}) {
       EXPECT_TRUE(check(preset(name, s).value()).ok()) << name;
     }
   }

@@ -11,31 +11,40 @@ constexpr std::array<const char*, 5> kNames = {"ct-bone", "ct-skin", "ct-tissue"
 
 /// The physical value below which `share` of the voxels lie.
 double percentile(const ValueStatistics& s, double share) {
-  const double all = static_cast<double>(std::accumulate(s.histogram.begin(), s.histogram.end(), std::uint64_t(0)));
+  const double all =
+      static_cast<double>(std::accumulate(s.histogram.begin(), s.histogram.end(), std::uint64_t(0)));
   double below = 0;
   for (std::size_t i = 0; i < s.histogram.size(); ++i) {
     below += static_cast<double>(s.histogram[i]);
     if (below >= share * all) {
-      return s.minimum + (s.maximum - s.minimum) * static_cast<double>(i + 1) / static_cast<double>(s.histogram.size());
+      return s.minimum +
+             (s.maximum - s.minimum) * static_cast<double>(i + 1) / static_cast<double>(s.histogram.size());
     }
   }
   return s.maximum;
 }
 
 TransferFunction ct_bone() {
-  return {{{150, {0.62, 0.32, 0.22}}, {350, {0.88, 0.74, 0.57}}, {900, {0.97, 0.92, 0.82}}, {2000, {1, 1, 0.97}}},
-          {{140, 0}, {260, 0.25}, {500, 0.7}, {1200, 0.9}},
-          0};
+  return {
+      {{150, {0.62, 0.32, 0.22}}, {350, {0.88, 0.74, 0.57}}, {900, {0.97, 0.92, 0.82}}, {2000, {1, 1, 0.97}}},
+      {{140, 0}, {260, 0.25}, {500, 0.7}, {1200, 0.9}},
+      0};
 }
 
 TransferFunction ct_skin() {
-  return {{{-500, {0.72, 0.46, 0.36}}, {-150, {0.87, 0.65, 0.54}}, {150, {0.95, 0.80, 0.70}}, {600, {1, 0.95, 0.88}}},
+  return {{{-500, {0.72, 0.46, 0.36}},
+           {-150, {0.87, 0.65, 0.54}},
+           {150, {0.95, 0.80, 0.70}},
+           {600, {1, 0.95, 0.88}}},
           {{-480, 0}, {-250, 0.35}, {0, 0.6}, {400, 0.9}},
           0};
 }
 
 TransferFunction ct_tissue() {
-  return {{{-300, {0.80, 0.52, 0.40}}, {40, {0.78, 0.30, 0.24}}, {160, {0.86, 0.55, 0.38}}, {350, {0.95, 0.90, 0.80}}},
+  return {{{-300, {0.80, 0.52, 0.40}},
+           {40, {0.78, 0.30, 0.24}},
+           {160, {0.86, 0.55, 0.38}},
+           {350, {0.95, 0.90, 0.80}}},
           {{-350, 0}, {-180, 0.015}, {20, 0.02}, {90, 0.03}, {180, 0.12}, {400, 0.6}},
           0};
 }
@@ -60,7 +69,9 @@ TransferFunction solid(const ValueStatistics& s) {
 
 }  // namespace
 
-std::span<const char* const> preset_names() { return kNames; }
+std::span<const char* const> preset_names() {
+  return kNames;
+}
 
 Result<TransferFunction> preset(const std::string& name, const ValueStatistics& statistics) {
   if (name == "ct-bone") return ct_bone();

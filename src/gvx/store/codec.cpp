@@ -28,12 +28,14 @@ void join_planes(std::size_t element_bytes, const std::byte* in, std::span<std::
 
 /// Contexts are costly to make; each thread keeps its own.
 ZSTD_CCtx* compression_context() {
-  thread_local const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(), ZSTD_freeCCtx);
+  thread_local const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(),
+                                                                                  ZSTD_freeCCtx);
   return context.get();
 }
 
 ZSTD_DCtx* decompression_context() {
-  thread_local const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
+  thread_local const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(),
+                                                                                  ZSTD_freeDCtx);
   return context.get();
 }
 
@@ -60,9 +62,9 @@ void compress(Codec codec, std::size_t element_bytes, std::span<const std::byte>
   } else {
     const int size = static_cast<int>(raw.size());
     compressed.resize(static_cast<std::size_t>(LZ4_compressBound(size)));
-    const int bytes =
-        LZ4_compress_default(reinterpret_cast<const char*>(raw.data()), reinterpret_cast<char*>(compressed.data()),
-                             size, static_cast<int>(compressed.size()));
+    const int bytes = LZ4_compress_default(reinterpret_cast<const char*>(raw.data()),
+                                           reinterpret_cast<char*>(compressed.data()), size,
+                                           static_cast<int>(compressed.size()));
     GVX_CHECK(bytes > 0);
     compressed.resize(static_cast<std::size_t>(bytes));
   }
@@ -71,7 +73,8 @@ void compress(Codec codec, std::size_t element_bytes, std::span<const std::byte>
 Status decompress(Codec codec, std::size_t element_bytes, std::span<const std::byte> compressed,
                   std::span<std::byte> raw) {
   const auto wrong_size = [&] {
-    return Error{std::string("a block is not ") + codec_name(codec) + " of " + std::to_string(raw.size()) + " bytes"};
+    return Error{std::string("a block is not ") + codec_name(codec) + " of " + std::to_string(raw.size()) +
+                 " bytes"};
   };
   if (codec == Codec::none) {
     if (compressed.size() != raw.size()) return wrong_size();
@@ -85,13 +88,13 @@ Status decompress(Codec codec, std::size_t element_bytes, std::span<const std::b
     target = planes.data();
   }
   if (codec == Codec::zstd) {
-    const std::size_t bytes = ZSTD_decompressDCtx(decompression_context(), target, raw.size(), compressed.data(),
-                                                  compressed.size());
+    const std::size_t bytes = ZSTD_decompressDCtx(decompression_context(), target, raw.size(),
+                                                  compressed.data(), compressed.size());
     if (ZSTD_isError(bytes) || bytes != raw.size()) return wrong_size();
   } else {
-    const int bytes = LZ4_decompress_safe(reinterpret_cast<const char*>(compressed.data()),
-                                          reinterpret_cast<char*>(target), static_cast<int>(compressed.size()),
-                                          static_cast<int>(raw.size()));
+    const int bytes =
+        LZ4_decompress_safe(reinterpret_cast<const char*>(compressed.data()), reinterpret_cast<char*>(target),
+                            static_cast<int>(compressed.size()), static_cast<int>(raw.size()));
     if (bytes < 0 || static_cast<std::size_t>(bytes) != raw.size()) return wrong_size();
   }
   if (element_bytes > 1) join_planes(element_bytes, planes.data(), raw);

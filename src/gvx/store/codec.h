@@ -11,8 +11,9 @@
 
 namespace gvx::store {
 
-/// Appends the compressed form of `raw`, whose elements are `element_bytes` wide, to `compressed`, which is cleared
-/// first. Elements wider than a byte are split into planes of equal significance before they are compressed.
+/// Appends the compressed form of `raw`, whose elements are `element_bytes` wide, to `compressed`, which is
+/// cleared first. Elements wider than a byte are split into planes of equal significance before they are
+/// compressed.
 void compress(Codec codec, std::size_t element_bytes, std::span<const std::byte> raw,
               std::vector<std::byte>& compressed);
 

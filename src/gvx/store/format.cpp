@@ -9,7 +9,9 @@ const char* codec_name(Codec codec) {
   return codec == Codec::none ? "none" : codec == Codec::zstd ? "zstd" : "lz4";
 }
 
-std::uint64_t checksum(std::span<const std::byte> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
+std::uint64_t checksum(std::span<const std::byte> bytes) {
+  return XXH3_64bits(bytes.data(), bytes.size());
+}
 
 TreeShape TreeShape::covering(Vec3i dimensions, std::uint32_t n, std::uint32_t m) {
   TreeShape shape{n, m, dimensions, 1};
@@ -38,7 +40,8 @@ std::uint64_t TreeShape::pages_before(std::uint32_t level) const {
   std::uint64_t pages = 0;
   for (std::uint32_t i = 0; i < level; ++i) {
     const Vec3i p = level_pages(i);
-    pages += static_cast<std::uint64_t>(p.x) * static_cast<std::uint64_t>(p.y) * static_cast<std::uint64_t>(p.z);
+    pages +=
+        static_cast<std::uint64_t>(p.x) * static_cast<std::uint64_t>(p.y) * static_cast<std::uint64_t>(p.z);
   }
   return pages;
 }

@@ -2,13 +2,14 @@
 /// The .gvx store on disk, version 1. docs/store-format.md is the specification; these structs are its bytes.
 ///
 ///     offset 0         FileHeader, 256 bytes, little-endian, written last
-///     256 ..           bricks, each (M+2)^3 voxels, x fastest, compressed on its own, in the order of their making,
+///     256 ..           bricks, each (M+2)^3 voxels, x fastest, compressed on its own, in the order of their
+///     making,
 ///                      and between them index pages, each 8^3 NodeRecords, compressed
-///     directory        a PageEntry for every page of every level: level 0 first, then x fastest within a level
-///     metadata         JSON: the source's name, its orientation's meaning, the histogram
+///     directory        a PageEntry for every page of every level: level 0 first, then x fastest within a
+///     level metadata         JSON: the source's name, its orientation's meaning, the histogram
 ///
-/// To sample a voxel: header -> directory entry of the node's page -> page -> NodeRecord -> brick. Each step is one
-/// range of bytes, so a store is read piecewise from a disk or by HTTP ranges.
+/// To sample a voxel: header -> directory entry of the node's page -> page -> NodeRecord -> brick. Each step
+/// is one range of bytes, so a store is read piecewise from a disk or by HTTP ranges.
 #pragma once
 
 #include <array>
@@ -64,8 +65,9 @@ static_assert(sizeof(FileHeader) == 256);
 
 /// What the index says of one node.
 struct NodeRecord {
-  std::uint64_t offset;    ///< of its compressed brick in the file
-  std::uint32_t bytes;     ///< of its compressed brick; 0: the node's whole subtree is the constant range.minimum
+  std::uint64_t offset;  ///< of its compressed brick in the file
+  std::uint32_t
+      bytes;  ///< of its compressed brick; 0: the node's whole subtree is the constant range.minimum
   std::uint32_t checksum;  ///< of the compressed brick
   ValueRange range;        ///< of every voxel, border included, of its brick and of all bricks below it
 
@@ -88,7 +90,7 @@ std::uint64_t checksum(std::span<const std::byte> bytes);
 struct TreeShape {
   std::uint32_t n = 2;
   std::uint32_t m = 16;
-  Vec3i dimensions;         ///< of the volume, in voxels
+  Vec3i dimensions;          ///< of the volume, in voxels
   std::uint32_t levels = 1;  ///< the root included: the fewest with m * n^(levels-1) >= every dimension
 
   static TreeShape covering(Vec3i dimensions, std::uint32_t n, std::uint32_t m);
@@ -114,7 +116,8 @@ struct VolumeInfo {
   TreeShape shape;
   VoxelType type = VoxelType::u8;
   Codec codec = Codec::zstd;
-  /// Voxel space (voxel i covers [i, i+1]) to world space; millimetres, x right, y anterior, z superior if anatomical.
+  /// Voxel space (voxel i covers [i, i+1]) to world space; millimetres, x right, y anterior, z superior if
+  /// anatomical.
   Affine3 voxel_to_world;
   bool anatomical = false;
   double scale = 1, offset = 0;  ///< physical value = scale * stored value + offset

@@ -18,8 +18,12 @@ namespace {
 constexpr std::size_t kBatch = 256;  // bricks compressed together before they are written in order
 
 /// The 16 high bits of a float's or an integer's order-preserving image: fine bins without knowing the range.
-std::size_t fine_bin(std::uint8_t v) { return v; }
-std::size_t fine_bin(std::uint16_t v) { return v; }
+std::size_t fine_bin(std::uint8_t v) {
+  return v;
+}
+std::size_t fine_bin(std::uint16_t v) {
+  return v;
+}
 std::size_t fine_bin(float v) {
   const auto bits = std::bit_cast<std::uint32_t>(v);
   return ((bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u) >> 16;
@@ -43,10 +47,12 @@ template <typename Voxel>
 struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
   struct Level {
     Vec3i dimensions, nodes, pages;
-    std::vector<Voxel> window;       // slice z is at z % (m + 2)
-    std::int64_t slices = 0;         // that have come
-    std::int64_t layers = 0;         // of bricks that were written
-    std::vector<ValueRange> below;   // ranges of the children of the next layer's nodes, joined
+    std::vector<Voxel> window;  // slice z is at z % (m + 2)
+    std::int64_t slices = 0;    // that have come
+    std::int64_t layers = 0;    // of bricks that were written
+    // Ranges of the children of this layer's nodes, joined, and of the next layer's: at the end of a volume
+    // children of both come before either is written. Layer z is at z % 2.
+    std::vector<ValueRange> below[2];
     std::vector<NodeRecord> records;  // of the current layer of pages
   };
 
@@ -66,7 +72,9 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
       level.nodes = shape.level_nodes(l);
       level.pages = shape.level_pages(l);
       level.window.resize(static_cast<std::size_t>(level.dimensions.x * level.dimensions.y) * (shape.m + 2));
-      level.below.assign(static_cast<std::size_t>(level.nodes.x * level.nodes.y), kNothing);
+      for (auto& below : level.below) {
+        below.assign(static_cast<std::size_t>(level.nodes.x * level.nodes.y), kNothing);
+      }
       level.records.resize(static_cast<std::size_t>(level.pages.x * level.pages.y) * kPageNodes);
       levels.push_back(std::move(level));
     }
@@ -153,7 +161,8 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     });
   }
 
-  /// Cuts out the brick of node (nx, ny) of the current layer, border included; returns the range of its voxels.
+  /// Cuts out the brick of node (nx, ny) of the current layer, border included; returns the range of its
+  /// voxels.
   ValueRange gather(Level& level, std::int64_t nx, std::int64_t ny, Voxel* brick) {
     const std::int64_t edge = m() + 2;
     const Vec3i d = level.dimensions;
@@ -180,7 +189,8 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
 
   Status write_layer(std::uint32_t l) {
     Level& level = levels[l];
-    const std::size_t count = level.below.size();
+    auto& below = level.below[level.layers % 2];
+    const std::size_t count = below.size();
     std::vector<std::vector<std::byte>> compressed(std::min(count, kBatch));
     std::vector<ValueRange> ranges(count);
     for (std::size_t first = 0; first < count; first += kBatch) {
@@ -191,7 +201,7 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
         brick.resize(info.shape.brick_voxels());
         ValueRange range = gather(level, static_cast<std::int64_t>(node) % level.nodes.x,
                                   static_cast<std::int64_t>(node) / level.nodes.x, brick.data());
-        range.include(level.below[node]);
+        range.include(below[node]);
         ranges[node] = range;
         auto& bytes = compressed[static_cast<std::size_t>(i)];
         bytes.clear();
@@ -207,7 +217,7 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
       }
     }
     pass_ranges_up(l, ranges);
-    std::fill(level.below.begin(), level.below.end(), kNothing);
+    std::fill(below.begin(), below.end(), kNothing);
     ++level.layers;
     if (level.layers % kPageEdge == 0 || level.layers == level.nodes.z) {
       GVX_TRY(writer.add_page_layer(l, (level.layers - 1) / kPageEdge, level.records));
@@ -217,7 +227,8 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
   }
 
   NodeRecord& record_at(Level& level, std::size_t node) {
-    const auto x = static_cast<std::int64_t>(node) % level.nodes.x, y = static_cast<std::int64_t>(node) / level.nodes.x;
+    const auto x = static_cast<std::int64_t>(node) % level.nodes.x,
+               y = static_cast<std::int64_t>(node) / level.nodes.x;
     const std::int64_t row = level.pages.x * kPageEdge, rows = level.pages.y * kPageEdge;
     return level.records[static_cast<std::size_t>((level.layers % kPageEdge * rows + y) * row + x)];
   }
@@ -230,17 +241,19 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     Level& above = levels[l - 1];
     const Level& level = levels[l];
     const std::int64_t n = info.shape.n;
-    GVX_CHECK(above.layers == level.layers / n);
+    const std::int64_t above_layer = level.layers / n;
+    GVX_CHECK(above_layer == above.layers || above_layer == above.layers + 1);
     for (std::int64_t y = 0; y < level.nodes.y; ++y) {
       for (std::int64_t x = 0; x < level.nodes.x; ++x) {
-        above.below[static_cast<std::size_t>(y / n * above.nodes.x + x / n)].include(
+        above.below[above_layer % 2][static_cast<std::size_t>(y / n * above.nodes.x + x / n)].include(
             ranges[static_cast<std::size_t>(y * level.nodes.x + x)]);
       }
     }
   }
 
   Status finish() override {
-    for (const Level& level : levels) GVX_CHECK(level.slices == level.dimensions.z && level.layers == level.nodes.z);
+    for (const Level& level : levels)
+      GVX_CHECK(level.slices == level.dimensions.z && level.layers == level.nodes.z);
     const double least = info.range.minimum, width = info.range.maximum - least;
     info.histogram.assign(kHistogramBins, 0);
     for (std::size_t i = 0; i < fine_bins.size(); ++i) {
@@ -275,6 +288,8 @@ Status PyramidBuilder::push_slices(std::int64_t count, std::span<const std::byte
   return steps_->push(count, voxels);
 }
 
-Status PyramidBuilder::finish() { return steps_->finish(); }
+Status PyramidBuilder::finish() {
+  return steps_->finish();
+}
 
 }  // namespace gvx::store

@@ -1,10 +1,10 @@
 /// \file
-/// PyramidBuilder makes all levels of the tree out of a volume that is handed over slice by slice, in one pass and in
-/// bounded memory, and puts them into a StoreWriter.
+/// PyramidBuilder makes all levels of the tree out of a volume that is handed over slice by slice, in one
+/// pass and in bounded memory, and puts them into a StoreWriter.
 ///
-/// Each level keeps a window of its last m+2 slices. When a level has the slices of a layer of bricks and the one
-/// behind it, the layer's bricks are cut out, compressed on all threads, and written; when it has n slices that
-/// average to one of the level above, that one is pushed there:
+/// Each level keeps a window of its last m+2 slices. When a level has the slices of a layer of bricks and the
+/// one behind it, the layer's bricks are cut out, compressed on all threads, and written; when it has n
+/// slices that average to one of the level above, that one is pushed there:
 ///
 ///     finest   z ->  [.....m+2 slices.....]  -> bricks of one layer -> writer
 ///                          | mean of n^3 voxels
@@ -29,7 +29,8 @@ namespace gvx::store {
 /// Takes the slices of a volume of one voxel type. The bytes written do not depend on the number of threads.
 class PyramidBuilder {
  public:
-  /// `info` says the shape, voxel type, codec and all that the header keeps; its range and histogram are found here.
+  /// `info` says the shape, voxel type, codec and all that the header keeps; its range and histogram are
+  /// found here.
   PyramidBuilder(const exec::Device& cpu, StoreWriter& writer, VolumeInfo info);
   ~PyramidBuilder();
 

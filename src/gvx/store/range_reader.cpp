@@ -20,8 +20,9 @@ class FileRanges final : public RangeReader {
 
   Status read(std::uint64_t offset, std::span<std::byte> out) const override {
     if (offset > size_ || out.size() > size_ - offset) {
-      return Error{path_ + ": bytes " + std::to_string(offset) + " to " + std::to_string(offset + out.size()) +
-                   " are beyond the end of the file (" + std::to_string(size_) + " bytes)"};
+      return Error{path_ + ": bytes " + std::to_string(offset) + " to " +
+                   std::to_string(offset + out.size()) + " are beyond the end of the file (" +
+                   std::to_string(size_) + " bytes)"};
     }
     while (!out.empty()) {
       const ssize_t got = pread(descriptor_, out.data(), out.size(), static_cast<off_t>(offset));

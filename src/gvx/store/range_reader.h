@@ -1,5 +1,6 @@
 /// \file
-/// RangeReader: ranges of bytes from wherever a store is. Files now; a server that answers HTTP ranges fits behind it.
+/// RangeReader: ranges of bytes from wherever a store is. Files now; a server that answers HTTP ranges fits
+/// behind it.
 #pragma once
 
 #include <cstddef>

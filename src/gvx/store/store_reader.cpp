@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstring>
-
 #include <nlohmann/json.hpp>
 
 #include "gvx/store/codec.h"
@@ -10,12 +9,13 @@
 namespace gvx::store {
 namespace {
 
-// 12 KiB a page: 48 MiB, the records of two million nodes. Beyond it all are dropped and read again as needed.
+// 12 KiB a page: 48 MiB, the records of two million nodes. Beyond it all are dropped and read again as
+// needed.
 constexpr std::size_t kPagesKept = 4096;
 
 std::string key_text(const NodeKey& key) {
-  return "node (level " + std::to_string(key.level) + ": " + std::to_string(key.x) + ", " + std::to_string(key.y) +
-         ", " + std::to_string(key.z) + ")";
+  return "node (level " + std::to_string(key.level) + ": " + std::to_string(key.x) + ", " +
+         std::to_string(key.y) + ", " + std::to_string(key.z) + ")";
 }
 
 /// The message for a header field that is out of its bounds, or empty.
@@ -41,7 +41,8 @@ std::string wrong_field(const FileHeader& header, std::uint64_t file_bytes) {
   for (const double v : header.voxel_to_world) {
     if (!std::isfinite(v)) return "voxel-to-world matrix";
   }
-  if (!std::isfinite(header.scale) || !std::isfinite(header.offset) || header.scale == 0) return "value scale";
+  if (!std::isfinite(header.scale) || !std::isfinite(header.offset) || header.scale == 0)
+    return "value scale";
   if (!(header.range.minimum <= header.range.maximum)) return "value range";
   const auto within = [&](std::uint64_t offset, std::uint64_t bytes) {
     return offset <= file_bytes && bytes <= file_bytes - offset;
@@ -68,7 +69,8 @@ Status StoreReader::read_range(std::uint64_t offset, std::span<std::byte> out) c
 
 Status StoreReader::read_header() {
   FileHeader header{};
-  if (ranges_->size_bytes() < sizeof(header)) return Error{path_ + ": not a .gvx store: too short for a header"};
+  if (ranges_->size_bytes() < sizeof(header))
+    return Error{path_ + ": not a .gvx store: too short for a header"};
   GVX_TRY(read_range(0, std::as_writable_bytes(std::span(&header, 1))));
   if (header.magic != kMagic) return Error{path_ + ": not a .gvx store: no GVXSTORE at its start"};
   if (header.version != kVersion) {
@@ -87,16 +89,17 @@ Status StoreReader::read_header() {
     return Error{path_ + ": corrupt: the header's " + field + " is not one that gvx writes"};
   }
 
-  info_.shape = TreeShape{header.n,
-                          header.m,
-                          {static_cast<std::int64_t>(header.dimensions[0]),
-                           static_cast<std::int64_t>(header.dimensions[1]),
-                           static_cast<std::int64_t>(header.dimensions[2])},
-                          header.levels};
+  info_.shape = TreeShape{
+      header.n,
+      header.m,
+      {static_cast<std::int64_t>(header.dimensions[0]), static_cast<std::int64_t>(header.dimensions[1]),
+       static_cast<std::int64_t>(header.dimensions[2])},
+      header.levels};
   info_.type = static_cast<VoxelType>(header.voxel_type);
   info_.codec = static_cast<Codec>(header.codec);
   const double* matrix = header.voxel_to_world;
-  for (int c = 0; c < 3; ++c) info_.voxel_to_world.column[c] = {matrix[3 * c], matrix[3 * c + 1], matrix[3 * c + 2]};
+  for (int c = 0; c < 3; ++c)
+    info_.voxel_to_world.column[c] = {matrix[3 * c], matrix[3 * c + 1], matrix[3 * c + 2]};
   info_.voxel_to_world.origin = {matrix[9], matrix[10], matrix[11]};
   if (determinant(info_.voxel_to_world) == 0) {
     return Error{path_ + ": corrupt: the header's voxel-to-world matrix has no inverse"};
@@ -152,7 +155,8 @@ Result<std::shared_ptr<const IndexPage>> StoreReader::page(std::uint64_t index) 
   std::vector<std::byte> compressed(entry.bytes);
   GVX_TRY(read_range(entry.offset, compressed));
   if (static_cast<std::uint32_t>(checksum(compressed)) != entry.checksum) {
-    return Error{path_ + ": corrupt: the checksum of index page " + std::to_string(index) + " does not match"};
+    return Error{path_ + ": corrupt: the checksum of index page " + std::to_string(index) +
+                 " does not match"};
   }
   auto records = std::make_shared<IndexPage>(kPageNodes);
   if (const auto status = decompress(Codec::zstd, sizeof(NodeRecord), compressed,
@@ -175,7 +179,9 @@ Result<NodeRecord> StoreReader::node(const NodeKey& key) const {
   GVX_ASSIGN(const auto records, page(index));
   const std::uint32_t x = key.x % kPageEdge, y = key.y % kPageEdge, z = key.z % kPageEdge;
   const NodeRecord record = (*records)[(z * kPageEdge + y) * kPageEdge + x];
-  const float greatest = info_.type == VoxelType::u8 ? 255.0f : info_.type == VoxelType::u16 ? 65535.0f : INFINITY;
+  const float greatest = info_.type == VoxelType::u8    ? 255.0f
+                         : info_.type == VoxelType::u16 ? 65535.0f
+                                                        : INFINITY;
   const float least = info_.type == VoxelType::f32 ? -INFINITY : 0.0f;
   if (!(least <= record.range.minimum && record.range.minimum <= record.range.maximum &&
         record.range.maximum <= greatest)) {
@@ -184,7 +190,8 @@ Result<NodeRecord> StoreReader::node(const NodeKey& key) const {
   return record;
 }
 
-Status StoreReader::read_brick(const NodeKey& key, const NodeRecord& record, std::span<std::byte> voxels) const {
+Status StoreReader::read_brick(const NodeKey& key, const NodeRecord& record,
+                               std::span<std::byte> voxels) const {
   const std::size_t element = voxel_bytes(info_.type);
   GVX_CHECK(voxels.size() == info_.shape.brick_voxels() * element);
   if (record.constant()) {
@@ -195,7 +202,8 @@ Status StoreReader::read_brick(const NodeKey& key, const NodeRecord& record, std
     });
     return {};
   }
-  if (record.bytes > 2 * voxels.size() + 1024) return Error{path_ + ": corrupt: " + key_text(key) + " is too large"};
+  if (record.bytes > 2 * voxels.size() + 1024)
+    return Error{path_ + ": corrupt: " + key_text(key) + " is too large"};
   thread_local std::vector<std::byte> compressed;
   compressed.resize(record.bytes);
   GVX_TRY(read_range(record.offset, compressed));

@@ -1,5 +1,6 @@
 /// \file
-/// StoreReader reads node records and bricks out of a .gvx store, piece by piece and from any number of threads.
+/// StoreReader reads node records and bricks out of a .gvx store, piece by piece and from any number of
+/// threads.
 #pragma once
 
 #include <atomic>

@@ -1,0 +1,193 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "gvx/store/store_reader.h"
+#include "gvx/store/store_test_support.h"
+#include "gvx/store/verify.h"
+
+namespace gvx::store {
+namespace {
+
+std::string temporary(const std::string& name) {
+  return testing::TempDir() + "gvx_store_" + name;
+}
+
+/// Waves with a large flat part, so that there are constant nodes at several levels.
+double waves(std::int64_t x, std::int64_t y, std::int64_t z) {
+  if (x > 40) return 17;
+  return 100 + 60 * std::sin(0.3 * double(x)) * std::cos(0.2 * double(y)) + double(z % 5);
+}
+
+/// The level above by definition: the mean of the n^3 voxels that exist, rounded as the store rounds.
+template <typename Voxel>
+TestVolume<Voxel> average(const TestVolume<Voxel>& fine, std::int64_t n) {
+  const Vec3i d = (fine.dimensions + Vec3i(n - 1)) / Vec3i(n);
+  return TestVolume<Voxel>(d, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+    double sum = 0, count = 0;
+    for (std::int64_t k = z * n; k < std::min(z * n + n, fine.dimensions.z); ++k) {
+      for (std::int64_t j = y * n; j < std::min(y * n + n, fine.dimensions.y); ++j) {
+        for (std::int64_t i = x * n; i < std::min(x * n + n, fine.dimensions.x); ++i) {
+          sum += double(fine.at(i, j, k));
+          ++count;
+        }
+      }
+    }
+    return std::is_same_v<Voxel, float> ? sum / count : std::floor(sum / count + 0.5);
+  });
+}
+
+template <typename Voxel>
+void expect_every_brick_right(const TestVolume<Voxel>& finest, const std::string& path, std::uint32_t n,
+                              std::uint32_t m) {
+  const auto reader = StoreReader::open(path).value();
+  const TreeShape& shape = reader->info().shape;
+  ASSERT_EQ(shape.dimensions, finest.dimensions);
+  TestVolume<Voxel> level = finest;
+  std::uint64_t constants = 0;
+  for (std::uint32_t l = shape.levels; l-- > 0; level = average(level, n)) {
+    ASSERT_EQ(shape.level_dimensions(l), level.dimensions);
+    const Vec3i nodes = shape.level_nodes(l);
+    std::vector<Voxel> brick(shape.brick_voxels());
+    for (std::uint32_t z = 0; z < nodes.z; ++z) {
+      for (std::uint32_t y = 0; y < nodes.y; ++y) {
+        for (std::uint32_t x = 0; x < nodes.x; ++x) {
+          const NodeKey key{l, x, y, z};
+          const NodeRecord record = reader->node(key).value();
+          constants += record.constant() ? 1 : 0;
+          ASSERT_TRUE(reader->read_brick(key, record, std::as_writable_bytes(std::span(brick))).ok());
+          std::size_t i = 0;
+          const std::int64_t edge = m;
+          for (std::int64_t k = -1; k <= edge; ++k) {
+            for (std::int64_t j = -1; j <= edge; ++j) {
+              for (std::int64_t h = -1; h <= edge; ++h, ++i) {
+                ASSERT_EQ(brick[i], level.at(x * edge + h, y * edge + j, z * edge + k))
+                    << l << ' ' << x << ' ' << y;
+                ASSERT_TRUE(record.range.contains(static_cast<float>(brick[i])));
+              }
+            }
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(constants, 0u);
+}
+
+struct Shape {
+  std::uint32_t n, m;
+};
+class EveryShape : public testing::TestWithParam<Shape> {};
+INSTANTIATE_TEST_SUITE_P(, EveryShape,
+                         testing::Values(Shape{2, 8}, Shape{2, 16}, Shape{2, 32}, Shape{3, 8}, Shape{3, 16},
+                                         Shape{3, 32}),
+                         [](const auto& tested) {
+                           return "N" + std::to_string(tested.param.n) + "_M" + std::to_string(tested.param.m);
+                         });
+
+TEST_P(EveryShape, holds_every_level_of_a_u8_volume) {
+  const auto [n, m] = GetParam();
+  const TestVolume<std::uint8_t> volume({101, 37, 53}, waves);
+  const std::string path = temporary("u8.gvx");
+  ASSERT_TRUE(write_store(volume, path, n, m).ok());
+  expect_every_brick_right(volume, path, n, m);
+  EXPECT_TRUE(verify(exec::Device::cpu(), path, {}).ok());
+}
+
+TEST_P(EveryShape, holds_every_level_of_an_f32_volume) {
+  const auto [n, m] = GetParam();
+  const TestVolume<float> volume({101, 20, 35},
+                                 [](auto x, auto y, auto z) { return waves(x, y, z) * 1e-3 - 0.05; });
+  const std::string path = temporary("f32.gvx");
+  ASSERT_TRUE(write_store(volume, path, n, m, Codec::lz4).ok());
+  expect_every_brick_right(volume, path, n, m);
+}
+
+TEST(Store, holds_volumes_of_one_voxel_and_of_one_line) {
+  for (const Vec3i d : {Vec3i{1, 1, 1}, Vec3i{300, 1, 1}, Vec3i{1, 1, 300}, Vec3i{1, 129, 2}}) {
+    const TestVolume<std::uint16_t> volume(d,
+                                           [](auto x, auto y, auto z) { return 1000 + x + 7 * y + 3 * z; });
+    const std::string path = temporary("thin.gvx");
+    ASSERT_TRUE(write_store(volume, path, 2, 8).ok());
+    const auto report = verify(exec::Device::cpu(), path, {});
+    ASSERT_TRUE(report.ok()) << report.error().message;
+    const auto reader = StoreReader::open(path).value();
+    EXPECT_EQ(reader->info().range,
+              (ValueRange{1000, static_cast<float>(1000 + d.x - 1 + 7 * (d.y - 1) + 3 * (d.z - 1))}));
+  }
+}
+
+TEST(Store, is_the_same_bytes_for_any_number_of_threads) {
+  const TestVolume<std::uint16_t> volume({70, 60, 50},
+                                         [](auto x, auto y, auto z) { return waves(x, y, z) * 100; });
+  std::vector<std::string> files;
+  for (const int threads : {1, 2, 7}) {
+    const std::string path = temporary("threads.gvx");
+    ASSERT_TRUE(write_store(volume, path, 2, 16, Codec::zstd, threads).ok());
+    std::ifstream file(path, std::ios::binary);
+    files.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+  }
+  EXPECT_EQ(files[0], files[1]);
+  EXPECT_EQ(files[0], files[2]);
+}
+
+TEST(Store, histogram_counts_every_voxel_in_its_bin) {
+  std::mt19937 random(9);
+  std::normal_distribution<float> value(-3, 40);
+  const TestVolume<float> volume({40, 30, 20}, [&](auto, auto, auto) { return value(random); });
+  const std::string path = temporary("histogram.gvx");
+  ASSERT_TRUE(write_store(volume, path, 2, 8).ok());
+  const VolumeInfo info = StoreReader::open(path).value()->info();
+  ASSERT_EQ(info.histogram.size(), PyramidBuilder::kHistogramBins);
+  EXPECT_EQ(std::accumulate(info.histogram.begin(), info.histogram.end(), std::uint64_t(0)), 40u * 30 * 20);
+  // Of floats the bin is known to 8 bits of mantissa: the count below each bin boundary is right up to that.
+  const double width = info.range.maximum - info.range.minimum;
+  std::uint64_t below = 0;
+  for (std::size_t bin = 0; bin < info.histogram.size(); bin += 16) {
+    const double edge = info.range.minimum + width * double(bin) / double(info.histogram.size());
+    const auto low = std::count_if(volume.voxels.begin(), volume.voxels.end(),
+                                   [&](float v) { return v < edge - std::abs(edge) / 128 - width / 1024; });
+    const auto high = std::count_if(volume.voxels.begin(), volume.voxels.end(),
+                                    [&](float v) { return v < edge + std::abs(edge) / 128 + width / 1024; });
+    EXPECT_LE(low, static_cast<std::ptrdiff_t>(below));
+    EXPECT_GE(high, static_cast<std::ptrdiff_t>(below));
+    for (std::size_t i = 0; i < 16; ++i) below += info.histogram[bin + i];
+  }
+}
+
+TEST(StoreWriter, leaves_nothing_when_it_does_not_finish) {
+  const std::string path = temporary("unfinished.gvx");
+  std::filesystem::remove(path);
+  {
+    const auto writer = StoreWriter::create(path, TreeShape::covering({64, 64, 64}, 2, 16)).value();
+    EXPECT_TRUE(std::filesystem::exists(path + ".partial"));
+    const auto second = StoreWriter::create(path, TreeShape::covering({64, 64, 64}, 2, 16));
+    ASSERT_FALSE(second.ok());
+    EXPECT_NE(second.error().message.find("another build"), std::string::npos);
+  }
+  EXPECT_FALSE(std::filesystem::exists(path + ".partial"));
+  EXPECT_FALSE(std::filesystem::exists(path));
+  EXPECT_FALSE(StoreWriter::create("/no/such/folder/x.gvx", TreeShape::covering({8, 8, 8}, 2, 8)).ok());
+}
+
+TEST(StoreWriter, a_full_disk_is_an_error) {
+  // Linux's /dev/full takes no byte; the writer opens PATH.partial, so a link of that name stands in for the
+  // disk.
+  const std::string path = temporary("full.gvx");
+  std::filesystem::remove(path + ".partial");
+  std::filesystem::create_symlink("/dev/full", path + ".partial");
+  const TestVolume<std::uint8_t> volume({64, 64, 64}, waves);
+  const Status status = write_store(volume, path, 2, 16);
+  ASSERT_FALSE(status.ok());
+  EXPECT_NE(status.error().message.find(path), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(path));
+  std::filesystem::remove(path + ".partial");
+}
+
+}  // namespace
+}  // namespace gvx::store

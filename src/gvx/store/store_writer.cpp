@@ -2,12 +2,11 @@
 
 #include <cerrno>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
-
-#include <nlohmann/json.hpp>
 
 #include "gvx/store/codec.h"
 
@@ -67,7 +66,8 @@ Result<NodeRecord> StoreWriter::add_brick(std::span<const std::byte> compressed,
   return record;
 }
 
-Status StoreWriter::add_page_layer(std::uint32_t level, std::int64_t page_z, std::span<const NodeRecord> records) {
+Status StoreWriter::add_page_layer(std::uint32_t level, std::int64_t page_z,
+                                   std::span<const NodeRecord> records) {
   const Vec3i pages = shape_.level_pages(level);
   const std::int64_t row = pages.x * kPageEdge, slice = row * pages.y * kPageEdge;
   GVX_CHECK(static_cast<std::int64_t>(records.size()) == slice * kPageEdge);
@@ -107,7 +107,8 @@ Status StoreWriter::finish(const VolumeInfo& info) {
   header.levels = shape_.levels;
   header.page_edge = kPageEdge;
   for (int i = 0; i < 12; ++i) {
-    header.voxel_to_world[i] = i < 9 ? info.voxel_to_world.column[i / 3][i % 3] : info.voxel_to_world.origin[i % 3];
+    header.voxel_to_world[i] =
+        i < 9 ? info.voxel_to_world.column[i / 3][i % 3] : info.voxel_to_world.origin[i % 3];
   }
   header.scale = info.scale;
   header.offset = info.offset;

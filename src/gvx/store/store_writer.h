@@ -1,6 +1,6 @@
 /// \file
-/// StoreWriter puts bricks and index pages into a .gvx file. The file is written under the name PATH.partial and
-/// gets its own name when it is whole and on disk, so what is called PATH is always a finished store.
+/// StoreWriter puts bricks and index pages into a .gvx file. The file is written under the name PATH.partial
+/// and gets its own name when it is whole and on disk, so what is called PATH is always a finished store.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@
 
 namespace gvx::store {
 
-/// Not thread-safe: its caller decides the order of the bytes. Destroyed before finish(), it removes what it wrote.
+/// Not thread-safe: its caller decides the order of the bytes. Destroyed before finish(), it removes what it
+/// wrote.
 class StoreWriter {
  public:
   /// An error where the file cannot be made or another process is writing it.
@@ -26,7 +27,8 @@ class StoreWriter {
   /// Appends a compressed brick; returns its record with this range.
   Result<NodeRecord> add_brick(std::span<const std::byte> compressed, ValueRange range);
 
-  /// Appends the pages of one layer of pages of a level. `records`: pages_x*8 by pages_y*8 by 8 nodes, x fastest.
+  /// Appends the pages of one layer of pages of a level. `records`: pages_x*8 by pages_y*8 by 8 nodes, x
+  /// fastest.
   Status add_page_layer(std::uint32_t level, std::int64_t page_z, std::span<const NodeRecord> records);
 
   /// Writes directory, metadata and header, waits for the disk, and gives the file its name.

@@ -13,8 +13,8 @@ namespace gvx::store {
 namespace {
 
 std::string node_name(const NodeKey& key) {
-  return "node (level " + std::to_string(key.level) + ": " + std::to_string(key.x) + ", " + std::to_string(key.y) +
-         ", " + std::to_string(key.z) + ")";
+  return "node (level " + std::to_string(key.level) + ": " + std::to_string(key.x) + ", " +
+         std::to_string(key.y) + ", " + std::to_string(key.z) + ")";
 }
 
 bool within(ValueRange inner, ValueRange outer) {
@@ -27,7 +27,8 @@ Status check_node(const StoreReader& reader, const NodeKey& key, std::vector<std
   GVX_ASSIGN(const NodeRecord record, reader.node(key));
   ValueRange above = reader.info().range;
   if (key.level > 0) {
-    GVX_ASSIGN(const NodeRecord parent_record, reader.node(parent(key, static_cast<int>(reader.info().shape.n))));
+    GVX_ASSIGN(const NodeRecord parent_record,
+               reader.node(parent(key, static_cast<int>(reader.info().shape.n))));
     above = parent_record.range;
   }
   if (!within(record.range, above)) {
@@ -49,7 +50,8 @@ Status check_node(const StoreReader& reader, const NodeKey& key, std::vector<std
     return std::all_of(first, first + voxels.size() / sizeof(Voxel),
                        [&](Voxel v) { return record.range.contains(static_cast<float>(v)); });
   });
-  if (!sound) return Error{reader.path() + ": corrupt: a voxel of " + node_name(key) + " is outside its range"};
+  if (!sound)
+    return Error{reader.path() + ": corrupt: a voxel of " + node_name(key) + " is outside its range"};
   return {};
 }
 
@@ -75,10 +77,11 @@ Result<VerifyReport> verify(const exec::Device& cpu, const std::string& path,
         VerifyReport of_row;
         Status row_status;
         for (std::int64_t x = 0; x < nodes.x && row_status.ok(); ++x) {
-          row_status = check_node(*reader,
-                                  {l, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(row % nodes.y),
-                                   static_cast<std::uint32_t>(row / nodes.y)},
-                                  voxels, of_row);
+          row_status =
+              check_node(*reader,
+                         {l, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(row % nodes.y),
+                          static_cast<std::uint32_t>(row / nodes.y)},
+                         voxels, of_row);
         }
         const std::lock_guard lock(mutex);
         if (!row_status.ok() && status.ok()) status = row_status;

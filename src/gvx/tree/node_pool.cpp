@@ -7,7 +7,8 @@
 namespace gvx::tree {
 namespace {
 
-/// The second of the two steps of the GPU Pro text, 3.6.2: every node looks whether what it points to was flagged.
+/// The second of the two steps of the GPU Pro text, 3.6.2: every node looks whether what it points to was
+/// flagged.
 struct ClearRecycled {
   exec::BufferView<ChildWord> child;
   exec::BufferView<ContentWord> content;
@@ -15,7 +16,8 @@ struct ClearRecycled {
   const std::uint32_t* brick_recycled;
   GVX_HD void operator()(std::size_t i) const {
     if (tile_recycled[child[i].children().value] != 0) child[i].bits &= ~kPointerMask;
-    if (content[i].kind() == ContentKind::brick && brick_recycled[content[i].brick().value] != 0) content[i] = {};
+    if (content[i].kind() == ContentKind::brick && brick_recycled[content[i].brick().value] != 0)
+      content[i] = {};
   }
 };
 
@@ -40,7 +42,8 @@ void NodePool::set_tile_parent(TileIndex tile, const NodeKey& parent) {
 
 void NodePool::reset_node(NodeIndex node, const NodeInfo& info, bool transparent) {
   const bool constant = info.range.constant();
-  child_.view()[node.value] = {(info.terminal || constant ? kTerminalBit : 0) | (transparent ? kTransparentBit : 0)};
+  child_.view()[node.value] = {(info.terminal || constant ? kTerminalBit : 0) |
+                               (transparent ? kTransparentBit : 0)};
   content_.view()[node.value] = constant ? ContentWord::constant() : ContentWord{};
   range_.view()[node.value] = info.range;
 }
@@ -51,7 +54,9 @@ void NodePool::set_children(NodeIndex node, TileIndex children) {
   word.bits = (word.bits & ~kPointerMask) | children.value;
 }
 
-void NodePool::set_content(NodeIndex node, ContentWord content) { content_.view()[node.value] = content; }
+void NodePool::set_content(NodeIndex node, ContentWord content) {
+  content_.view()[node.value] = content;
+}
 
 void NodePool::set_constant(NodeIndex node, float value, bool transparent) {
   reset_node(node, {{value, value}, true}, transparent);
@@ -63,8 +68,9 @@ void NodePool::clear_pointers(std::span<const std::uint32_t> recycled_tiles,
   if (brick_recycled_.size() < bricks) brick_recycled_ = exec::Buffer<std::uint32_t>(device_, bricks);
   for (const std::uint32_t tile : recycled_tiles) tile_recycled_.view()[tile] = 1;
   for (const std::uint32_t brick : recycled_bricks) brick_recycled_.view()[brick] = 1;
-  exec::for_each(device_, "clear_recycled", nodes(),
-                 ClearRecycled{child_.view(), content_.view(), tile_recycled_.view().data, brick_recycled_.view().data});
+  exec::for_each(
+      device_, "clear_recycled", nodes(),
+      ClearRecycled{child_.view(), content_.view(), tile_recycled_.view().data, brick_recycled_.view().data});
   for (const std::uint32_t tile : recycled_tiles) tile_recycled_.view()[tile] = 0;
   for (const std::uint32_t brick : recycled_bricks) brick_recycled_.view()[brick] = 0;
 }

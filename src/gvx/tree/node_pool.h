@@ -1,7 +1,7 @@
 /// \file
-/// NodePool owns the resident part of an N3-tree. The N^3 children of a node stand together in a tile, the unit of
-/// its cache. Tile 0 holds the root, as its first node, and is never recycled. Nodes may share children and bricks:
-/// whoever recycles a slot has every pointer to it cleared, wherever it stands.
+/// NodePool owns the resident part of an N3-tree. The N^3 children of a node stand together in a tile, the
+/// unit of its cache. Tile 0 holds the root, as its first node, and is never recycled. Nodes may share
+/// children and bricks: whoever recycles a slot has every pointer to it cleared, wherever it stands.
 #pragma once
 
 #include <cstdint>
@@ -64,13 +64,14 @@ class NodePool {
   void set_constant(NodeIndex node, float value, bool transparent);
 
   /// Clears every pointer to these tiles and bricks; `bricks` is the size of the brick pool.
-  void clear_pointers(std::span<const std::uint32_t> recycled_tiles, std::span<const std::uint32_t> recycled_bricks,
-                      std::uint32_t bricks);
+  void clear_pointers(std::span<const std::uint32_t> recycled_tiles,
+                      std::span<const std::uint32_t> recycled_bricks, std::uint32_t bricks);
 
   /// Sets each node's transparent bit to `is_transparent(range)`.
   template <typename Function>
   void reclassify(Function is_transparent) {
-    for (std::uint32_t i = 0; i < nodes(); ++i) set_transparent(NodeIndex(i), is_transparent(range_.view()[i]));
+    for (std::uint32_t i = 0; i < nodes(); ++i)
+      set_transparent(NodeIndex(i), is_transparent(range_.view()[i]));
   }
 
  private:

@@ -5,8 +5,8 @@
 ///     content   31..30 kind: none, constant, brick | 29..0 slot of its brick
 ///     range     least and greatest value of everything below; of a constant node both are its value
 ///
-/// *Terminal*: there is nothing finer. *Transparent*: under the current transfer function its whole range is; set for
-/// the resident nodes when the function changes.
+/// *Terminal*: there is nothing finer. *Transparent*: under the current transfer function its whole range is;
+/// set for the resident nodes when the function changes.
 #pragma once
 
 #include <cstdint>
