@@ -30,7 +30,10 @@ if(NOT GVX_CUDA STREQUAL "OFF")
       set(CMAKE_CUDA_ARCHITECTURES 75)  # its PTX runs on every later GPU
     endif()
     enable_language(CUDA)
-    string(APPEND CMAKE_CUDA_FLAGS " -std=c++20")  # CMake 3.25 does not know it as a CUDA_STANDARD
+    # CMake 3.25 knows C++20 of g++, but not of nvcc.
+    set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION -std=c++20)
+    set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION -std=c++20)
+    set(CMAKE_CUDA_STANDARD 20)
     find_package(CUDAToolkit REQUIRED)
     set(GVX_WITH_CUDA ON)
   elseif(GVX_CUDA STREQUAL "ON")

@@ -13,6 +13,10 @@ constexpr std::uint32_t kPreviewChunk = 128;
 // What a frame at rest spends on showing new data coarsely before exact rays reach it.
 constexpr double kRefreshShare = 0.4;
 
+// Passes of one screen tile, short of room in each, that are taken for hopeless. Pools of PoolSizes::fitting
+// never are: a screen tile's 256 rays stand on at most 32 tiles each.
+constexpr int kMostStuckPasses = 100000;
+
 // Production threads beside a GPU, whose own host thread mostly waits.
 constexpr int kCudaProducers = 8;
 
@@ -68,13 +72,17 @@ Status Engine::look(const render::View& view) {
   residency_.set_function(frame_->view().function, new_function);
   if (new_size) {
     film_.emplace(device_, view.width, view.height);
-    tile_list_ = exec::Buffer<std::uint32_t>(device_, film_->grid().tiles());
+    tile_list_ = exec::Buffer<std::uint32_t>(device_, std::max(film_->grid().tiles(), kPreviewChunk));
     tile_flags_ = exec::Buffer<std::uint32_t>(device_, film_->grid().tiles());
   } else {
     film_->clear();
   }
   unfinished_tiles_.resize(film_->grid().tiles());
   std::iota(unfinished_tiles_.begin(), unfinished_tiles_.end(), 0u);
+  window_ = unfinished_tiles_.size();
+  eviction_ = Eviction::unused;
+  stuck_passes_ = 0;
+  crowded_ = false;
   preview_ = {};
   data_came_ = false;
   return {};
@@ -97,43 +105,55 @@ render::Pass Engine::pass() {
   return pass;
 }
 
-/// Marches the first `tiles` unfinished tiles and strikes out those that are finished; returns whether none
-/// was cut off by the deadline.
-bool Engine::exact_pass(std::size_t tiles, exec::Deadline deadline) {
+/// Marches the unfinished tiles of the window and strikes out those that are finished.
+void Engine::exact_pass(exec::Deadline deadline) {
   ++statistics_.passes;
-  tiles = std::min(tiles, unfinished_tiles_.size());
+  const std::size_t tiles = std::min(window_, unfinished_tiles_.size());
   std::copy_n(unfinished_tiles_.begin(), tiles, tile_list_.view().begin());
   for (std::size_t i = 0; i < tiles; ++i) tile_flags_.view()[unfinished_tiles_[i]] = 0;
   const bool whole = render::march_exact(device_, pass(), film_->grid(), {tile_list_.view().data, tiles},
                                          deadline, film_->rays(), tile_flags_.view());
-  if (!whole) return false;
+  if (!whole) return;  // some flags were not set; the tiles stay listed, finished rays cost little
   const auto first = unfinished_tiles_.begin(), last = first + static_cast<std::ptrdiff_t>(tiles);
   const auto kept =
       std::remove_if(first, last, [&](std::uint32_t tile) { return tile_flags_.view()[tile] == 0; });
   unfinished_tiles_.erase(kept, last);
-  return true;
+}
+
+/// What rays lack, as far as there is room for it. Where they want more than that, fewer of them run at a
+/// time; where even one tile of them does, what is in use may be pushed out: they have passed it.
+std::vector<produce::Job> Engine::collect() {
+  const std::vector<produce::Job> lacking = residency_.collect(stamp_);
+  statistics_.requests += residency_.requested();
+  std::vector<produce::Job> jobs = lacking;
+  eviction_ = Eviction::unused;
+  crowded_ = residency_.limit_to_room(jobs, eviction_);
+  if (crowded_ && jobs.empty() && window_ == 1) {
+    jobs = lacking;
+    eviction_ = Eviction::any;
+    residency_.limit_to_room(jobs, eviction_);
+  }
+  stuck_passes_ = crowded_ && window_ == 1 ? stuck_passes_ + 1 : 0;
+  window_ = crowded_ ? std::max<std::size_t>(1, window_ / 2)
+                     : std::min<std::size_t>(window_ + window_ / 4 + 1, film_->grid().tiles());
+  return jobs;
 }
 
 Status Engine::render_exact() {
   GVX_CHECK(film_.has_value());
   begin_frame();
-  std::size_t window = unfinished_tiles_.size();
-  Eviction eviction = Eviction::unused;
   while (!unfinished_tiles_.empty()) {
     ++stamp_;
-    exact_pass(window, exec::no_deadline());                      // render
-    std::vector<produce::Job> jobs = residency_.collect(stamp_);  // collect
-    statistics_.requests += residency_.requested();
-    // Where rays want more than there is room for, fewer run at a time; where even one tile of them does,
-    // what is in use is pushed out: they have passed it.
-    const bool crowded = residency_.limit_to_room(jobs, eviction);
-    eviction = crowded && jobs.empty() && window == 1 ? Eviction::any : Eviction::unused;
-    window = crowded ? std::max<std::size_t>(1, window / 2)
-                     : std::min<std::size_t>(window + window / 4 + 1, film_->grid().tiles());
-    queue_.replace(jobs);
+    exact_pass(exec::no_deadline());  // render
+    queue_.replace(collect());        // collect
     while (!queue_.idle()) {
-      queue_.wait();                     // produce
-      GVX_TRY(take_finished(eviction));  // evict, commit
+      queue_.wait();             // produce
+      GVX_TRY(take_finished());  // evict, commit
+    }
+    if (stuck_passes_ > kMostStuckPasses) {
+      return Error{"memory: " + std::to_string(residency_.nodes().tiles()) + " node tiles and " +
+                   std::to_string(residency_.bricks().slots()) +
+                   " bricks do not hold what one screen tile needs"};
     }
   }
   end_frame();
@@ -164,9 +184,10 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   ++stamp_;
   const exec::Deadline deadline = frame_start_ + budget;
   GVX_TRY(residency_.plant_root_brick());
-  GVX_TRY(take_finished(Eviction::unused));
-  // A picture at rest that is drawn already is refreshed with what came since, for a part of the time.
-  if (preview_.complete && data_came_) {
+  GVX_TRY(take_finished());
+  // A picture at rest that is drawn already is refreshed with what came since, for a part of the time; not
+  // where the refresh would push out what exact rays wait for.
+  if (preview_.complete && data_came_ && !crowded_) {
     preview_ = {1, 0, false, false};
     data_came_ = false;
   }
@@ -175,26 +196,26 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   while (!unfinished_tiles_.empty() && Clock::now() < deadline) {
     const bool refreshing = preview_.block == 1 && !preview_.refine;
     preview_pass(refreshing ? refresh_deadline : deadline);  // render
-    if (preview_.complete || refreshing) exact_pass(unfinished_tiles_.size(), deadline);
-    queue_.replace(residency_.collect(stamp_));  // collect
-    statistics_.requests += residency_.requested();
+    if (preview_.complete || refreshing) exact_pass(deadline);
+    queue_.replace(collect());  // collect
     while (!unfinished_tiles_.empty() && !queue_.idle() && Clock::now() < deadline) {
-      queue_.wait_until(deadline);               // produce
-      GVX_TRY(take_finished(Eviction::unused));  // evict, commit
+      queue_.wait_until(deadline);  // produce
+      GVX_TRY(take_finished());     // evict, commit
     }
+    if (preview_.complete) ++stamp_;
   }
   end_frame();
   return {};
 }
 
-Status Engine::take_finished(Eviction eviction) {
+Status Engine::take_finished() {
   std::vector<produce::Produced> made = queue_.take_finished();
   if (made.empty()) return {};
   statistics_.bricks_produced +=
       static_cast<std::uint64_t>(std::count_if(made.begin(), made.end(), [](const produce::Produced& p) {
         return p.job.kind == produce::JobKind::brick;
       }));
-  GVX_ASSIGN(const CommitCounts counts, residency_.commit(std::move(made), eviction));
+  GVX_ASSIGN(const CommitCounts counts, residency_.commit(std::move(made), eviction_));
   statistics_.bricks_evicted += counts.bricks_evicted;
   data_came_ = data_came_ || counts.committed > 0;
   return {};

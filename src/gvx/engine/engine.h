@@ -65,9 +65,10 @@ class Engine {
   Engine(const exec::Device& device, std::shared_ptr<const produce::Producer> producer, PoolSizes sizes);
 
   render::Pass pass();
-  bool exact_pass(std::size_t tiles, exec::Deadline deadline);
+  void exact_pass(exec::Deadline deadline);
   void preview_pass(exec::Deadline deadline);
-  Status take_finished(Eviction eviction);
+  std::vector<produce::Job> collect();
+  Status take_finished();
   void begin_frame();
   void end_frame();
 
@@ -80,6 +81,10 @@ class Engine {
   std::optional<render::Film> film_;
   std::vector<std::uint32_t> unfinished_tiles_;
   exec::Buffer<std::uint32_t> tile_list_, tile_flags_;
+  std::size_t window_ = 0;  // of unfinished tiles, how many run at a time
+  Eviction eviction_ = Eviction::unused;
+  bool crowded_ = false;  // rays wanted more than there was room for
+  int stuck_passes_ = 0;
   std::uint32_t stamp_ = 0;
   PreviewProgress preview_;
   bool data_came_ = false;  // since the preview was begun

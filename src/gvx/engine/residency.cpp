@@ -1,8 +1,8 @@
 #include "gvx/engine/residency.h"
 
 #include <algorithm>
-#include <unordered_set>
 #include <array>
+#include <unordered_set>
 
 namespace gvx::engine {
 

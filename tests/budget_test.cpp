@@ -1,0 +1,128 @@
+// Budget mode always shows something, says how far it is, and comes to rest at the exact picture.
+
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "gvx/produce/sponge_producer.h"
+#include "test_scenes.h"
+
+namespace gvx::tests {
+namespace {
+
+using namespace std::chrono_literals;
+
+TestScene scene_of(const char* name) {
+  return analytic_scene(name, waves, {90, 80, 70}, {1, 1, 1}, 2, 8);
+}
+
+TEST(Budget, the_first_frame_shows_the_whole_volume) {
+  TestScene scene = scene_of("first");
+  const auto engine = engine::Engine::create(exec::Device::cpu(), scene.open(), {}).value();
+  ASSERT_TRUE(engine->look(scene.view).ok());
+  ASSERT_TRUE(engine->render_for(30ms).ok());
+  EXPECT_GE(psnr(engine->picture(), render_exact(scene)), 15);
+  const engine::Statistics statistics = engine->statistics();
+  EXPECT_GE(statistics.bricks_resident, 1u);
+}
+
+TEST(Budget, comes_to_rest_at_the_exact_picture_whatever_the_cache) {
+  for (const engine::EngineOptions& options :
+       {engine::EngineOptions{1ull << 30, {}}, engine::EngineOptions{0, engine::PoolSizes{4096, 60}},
+        engine::EngineOptions{0, engine::PoolSizes{400, 9}}}) {
+    TestScene scene = scene_of("rest");
+    const render::Picture exact = render_exact(scene);
+    const auto engine = engine::Engine::create(exec::Device::cpu(), scene.open(), options).value();
+    ASSERT_TRUE(engine->look(scene.view).ok());
+    int frames = 0;
+    while (!engine->statistics().converged && frames < 3000) {
+      ASSERT_TRUE(engine->render_for(10ms).ok());
+      ASSERT_TRUE(engine->look(scene.view).ok());  // the same view does not start again
+      ++frames;
+    }
+    const engine::Statistics statistics = engine->statistics();
+    ASSERT_TRUE(statistics.converged) << (options.pools ? options.pools->bricks : 0);
+    EXPECT_EQ(statistics.resident_share, 1.0);
+    EXPECT_EQ(engine->picture().rgba, exact.rgba);
+    engine->residency().check_invariants();
+  }
+}
+
+TEST(Budget, a_moving_camera_keeps_showing_and_ends_exact) {
+  TestScene scene = scene_of("move");
+  const auto engine =
+      engine::Engine::create(exec::Device::cpu(), scene.open(), {0, engine::PoolSizes{4096, 100}}).value();
+  for (int frame = 0; frame < 20; ++frame) {
+    scene.view.camera.eye = scene.view.camera.eye + Vec3d(4, 1, -2);
+    ASSERT_TRUE(engine->look(scene.view).ok());
+    ASSERT_TRUE(engine->render_for(8ms).ok());
+    const render::Picture picture = engine->picture();
+    double lit = 0;
+    for (std::size_t i = 0; i < picture.rgba.size(); i += 4) lit += picture.rgba[i] > 0.15f ? 1 : 0;
+    EXPECT_GT(lit, 1000) << frame;
+  }
+  ASSERT_TRUE(engine->render_exact().ok());
+  EXPECT_EQ(engine->picture().rgba, render_exact(scene).rgba);
+}
+
+TEST(Budget, says_how_much_of_what_it_wants_is_there) {
+  TestScene scene = scene_of("share");
+  const auto engine = engine::Engine::create(exec::Device::cpu(), scene.open(), {}).value();
+  ASSERT_TRUE(engine->look(scene.view).ok());
+  double share = 0;
+  bool coarse = false;
+  for (int frame = 0; frame < 2000 && !engine->statistics().converged; ++frame) {
+    ASSERT_TRUE(engine->render_for(3ms).ok());
+    const engine::Statistics s = engine->statistics();
+    coarse = coarse || s.worst_lack > 0;
+    EXPECT_GE(s.resident_share, 0);
+    EXPECT_LE(s.resident_share, 1);
+    share = s.resident_share;
+  }
+  EXPECT_TRUE(coarse);
+  EXPECT_EQ(share, 1);
+}
+
+TEST(Sponge, is_shown_from_one_brick_at_any_depth) {
+  const auto sponge = std::make_shared<produce::SpongeProducer>(8);
+  const auto engine = engine::Engine::create(exec::Device::cpu(), sponge, {}).value();
+  render::View view;
+  view.width = view.height = 96;
+  view.function = scene::preset("solid", {0, 255, {}}).value();
+  for (const double distance : {2.0, 1e-2, 1e-5}) {
+    // Down the middle of a corner edge, which is solid at every depth.
+    view.camera = {Vec3d(-1, -1.3, 1.1) * distance, {0, 0, 0}, {0, 0, 1}, 40, 0};
+    ASSERT_TRUE(engine->look(view).ok());
+    ASSERT_TRUE(engine->render_exact().ok());
+    const engine::Statistics s = engine->statistics();
+    EXPECT_EQ(s.bricks_resident, 1u);
+    EXPECT_EQ(s.nodes_resident, 28u);
+    double lit = 0;
+    const render::Picture picture = engine->picture();
+    for (std::size_t i = 0; i < picture.rgba.size(); i += 4) lit += picture.rgba[i] > 0.1f ? 1 : 0;
+    EXPECT_GT(lit, 500) << distance;
+  }
+}
+
+TEST(Sponge, is_the_same_seen_from_a_third_of_the_way) {
+  // Self-similarity: a third of the distance, a third of the cube, the same picture up to the rounding of
+  // levels.
+  const auto sponge = std::make_shared<produce::SpongeProducer>(8);
+  const auto engine = engine::Engine::create(exec::Device::cpu(), sponge, {}).value();
+  render::View view;
+  view.width = view.height = 96;
+  view.function = scene::preset("solid", {0, 255, {}}).value();
+  view.camera = {{-1.5, -2, 1.7}, {0.1, 0.1, 0.1}, {0, 0, 1}, 12, 0};
+  ASSERT_TRUE(engine->look(view).ok());
+  ASSERT_TRUE(engine->render_exact().ok());
+  const render::Picture whole = engine->picture();
+  view.camera.eye = view.camera.eye / 3.0;
+  view.camera.target = view.camera.target / 3.0;
+  view.clip = {{0, 0, 0}, {1.0 / 3, 1.0 / 3, 1.0 / 3}};
+  ASSERT_TRUE(engine->look(view).ok());
+  ASSERT_TRUE(engine->render_exact().ok());
+  EXPECT_GE(psnr(engine->picture(), whole), 30);
+}
+
+}  // namespace
+}  // namespace gvx::tests

@@ -1,0 +1,169 @@
+// Exact pictures are right, and depend on nothing but the view: compared with the brute-force reference, and
+// with themselves for other bricks, caches and threads.
+
+#include <gtest/gtest.h>
+
+#include "test_scenes.h"
+
+namespace gvx::tests {
+namespace {
+
+constexpr double kNeededDecibels = 45;
+constexpr double kReferenceSamples = 16;
+
+void expect_right(TestScene scene, const char* what) {
+  scene.view.level_of_detail = false;
+  const ReferencePicture reference =
+      render_reference(scene.volume, scene.view, kReferenceSamples, scene.soft_gradient);
+  const double decibels = psnr(render_exact(scene), reference.picture);
+  EXPECT_GE(decibels, kNeededDecibels) << what;
+  std::printf("%-40s %.1f dB\n", what, decibels);
+}
+
+struct Shape {
+  std::uint32_t n, m;
+};
+class EveryShape : public testing::TestWithParam<Shape> {};
+INSTANTIATE_TEST_SUITE_P(Exact, EveryShape,
+                         testing::Values(Shape{2, 8}, Shape{2, 16}, Shape{2, 32}, Shape{3, 8}, Shape{3, 16},
+                                         Shape{3, 32}),
+                         [](const auto& tested) {
+                           return "N" + std::to_string(tested.param.n) + "_M" +
+                                  std::to_string(tested.param.m);
+                         });
+
+TEST_P(EveryShape, equals_the_reference) {
+  const auto [n, m] = GetParam();
+  expect_right(analytic_scene("ball", ball, {70, 61, 50}, {1, 1, 1}, n, m), "ball");
+  expect_right(analytic_scene("waves", waves, {64, 64, 64}, {1, 1, 1}, n, m), "waves");
+}
+
+TEST(Exact, equals_the_reference_in_every_way_to_look) {
+  const TestScene scene = analytic_scene("ways", ball, {80, 60, 40}, {0.7, 1, 1.6}, 2, 16);
+  const auto variant = [&](const char* what, auto change) {
+    TestScene changed = scene;
+    change(changed.view);
+    expect_right(changed, what);
+  };
+  variant("anisotropic spacing", [](auto&) {});
+  variant("unlit", [](auto& v) { v.lighting.enabled = false; });
+  variant("orthographic", [](auto& v) { v.camera.height_world = 90; });
+  variant("clipped", [](auto& v) { v.clip = {{0.1, 0.45, 0.2}, {0.9, 1.2, 0.77}}; });
+  variant("from within", [](auto& v) { v.camera.eye = v.camera.target + Vec3d(2, 3, 4); });
+  variant("opaque surface", [](auto& v) { v.function.opacities = {{0.42, 0}, {0.55, 0.9}}; });
+  variant("in world units of opacity", [](auto& v) { v.function.unit_distance = 5; });
+  variant("along an axis", [](auto& v) { v.camera.eye = v.camera.target + Vec3d(0, -200, 0); });
+}
+
+TEST(Exact, equals_the_reference_on_real_volumes) {
+  int tested = 0;
+  struct RealVolume {
+    const char* file;
+    double samples_per_voxel;
+  };
+  // The ultrasound is all speckle: its values swing through the function between two samples of the default.
+  for (const RealVolume real :
+       {RealVolume{"volumes/nifti/osv_engine.nii.gz", 2}, RealVolume{"volumes/metaimage/HeadMRVolume.mha", 2},
+        RealVolume{"volumes/niivue_formats/MNI152_2009_template.nii.gz", 2},
+        RealVolume{"volumes/nrrd/itk_Input-RA-Short.nrrd", 4}}) {
+    if (test_data(real.file).empty()) continue;
+    ++tested;
+    auto scene = file_scene(real.file, 16);
+    ASSERT_TRUE(scene.ok()) << scene.error().message;
+    scene.value().view.samples_per_voxel = real.samples_per_voxel;
+    expect_right(scene.value(), real.file);
+  }
+  if (tested == 0) GTEST_SKIP() << "GVX_TEST_DATA is not set, or has no volumes";
+}
+
+TEST(Exact, brick_size_and_arity_leave_no_trace) {
+  // Seams at brick faces would differ between brick sizes.
+  TestScene scene = analytic_scene("seams8", waves, {75, 66, 57}, {1, 1, 1}, 2, 8);
+  scene.view.level_of_detail = false;
+  const render::Picture first = render_exact(scene);
+  for (const Shape shape : {Shape{2, 16}, Shape{2, 32}, Shape{3, 8}}) {
+    scene.store_path = analytic_scene("seams", waves, {75, 66, 57}, {1, 1, 1}, shape.n, shape.m).store_path;
+    EXPECT_GE(psnr(render_exact(scene), first), 90) << shape.n << ' ' << shape.m;
+  }
+}
+
+/// Pools from comfortable down to two bricks.
+std::vector<engine::EngineOptions> pools() {
+  std::vector<engine::EngineOptions> options = {{1ull << 30, {}}, {32ull << 20, {}}};
+  for (const engine::PoolSizes sizes :
+       {engine::PoolSizes{4096, 60}, engine::PoolSizes{400, 20}, engine::PoolSizes{150, 2}}) {
+    options.push_back({0, sizes});
+  }
+  return options;
+}
+
+TEST(Exact, is_the_same_bits_for_every_cache_and_every_number_of_threads) {
+  for (const bool lod : {false, true}) {
+    TestScene scene = analytic_scene("bits", waves, {90, 80, 70}, {1, 1, 1}, 2, 8);
+    scene.view.level_of_detail = lod;
+    const render::Picture first = render_exact(scene);
+    std::uint64_t evicted = 0;
+    for (const engine::EngineOptions& options : pools()) {
+      for (const int threads : {1, 2, 5}) {
+        engine::Statistics statistics;
+        const render::Picture picture = render_exact(scene, exec::Device::cpu(threads), options, &statistics);
+        EXPECT_EQ(picture.rgba, first.rgba) << "bricks " << (options.pools ? options.pools->bricks : 0);
+        EXPECT_TRUE(statistics.converged);
+        if (options.pools) {
+          EXPECT_LE(statistics.bricks_resident, options.pools->bricks);
+        }
+        evicted += statistics.bricks_evicted;
+      }
+    }
+    EXPECT_GT(evicted, 1000u);
+  }
+}
+
+TEST(Exact, loads_little_more_than_rays_need) {
+  TestScene scene = analytic_scene("need", ball, {120, 120, 120}, {1, 1, 1}, 2, 8);
+  scene.view.level_of_detail = false;
+  const ReferencePicture reference = render_reference(scene.volume, scene.view, 4, scene.soft_gradient, 8);
+  engine::Statistics statistics;
+  render_exact(scene, exec::Device::cpu(), {}, &statistics);
+  const double ratio = static_cast<double>(statistics.bricks_produced) /
+                       static_cast<double>(reference.necessary_bricks.size());
+  EXPECT_LT(ratio, 1.5);
+  EXPECT_GE(ratio, 1.0);
+}
+
+TEST(Exact, a_change_of_function_reloads_nothing) {
+  TestScene scene = analytic_scene("reclassify", waves, {90, 80, 70}, {1, 1, 1}, 2, 8);
+  const auto engine = engine::Engine::create(exec::Device::cpu(), scene.open(), {}).value();
+  const render::View narrow = [&] {
+    render::View v = scene.view;
+    v.function.opacities = {{0.6, 0}, {0.8, 0.3}};
+    return v;
+  }();
+  ASSERT_TRUE(engine->look(scene.view).ok());
+  ASSERT_TRUE(engine->render_exact().ok());
+  const render::Picture wide_picture = engine->picture();
+  ASSERT_TRUE(engine->look(narrow).ok());
+  ASSERT_TRUE(engine->render_exact().ok());
+  const render::Picture narrow_picture = engine->picture();
+  ASSERT_TRUE(engine->look(scene.view).ok());
+  ASSERT_TRUE(engine->render_exact().ok());
+  EXPECT_EQ(engine->statistics().bricks_produced, 0u);
+  EXPECT_EQ(engine->picture().rgba, wide_picture.rgba);
+  engine->residency().check_invariants();
+  scene.view = narrow;
+  EXPECT_EQ(render_exact(scene).rgba, narrow_picture.rgba);
+}
+
+TEST(Exact, level_of_detail_far_away_loads_coarse_bricks_only) {
+  TestScene scene = analytic_scene("far", ball, {128, 128, 128}, {1, 1, 1}, 2, 8);
+  engine::Statistics near, far;
+  render_exact(scene, exec::Device::cpu(), {}, &near);
+  scene.view.camera.eye =
+      scene.view.camera.target + 40.0 * (scene.view.camera.eye - scene.view.camera.target);
+  render_exact(scene, exec::Device::cpu(), {}, &far);
+  EXPECT_LE(far.bricks_produced, 8u);
+  EXPECT_GT(near.bricks_produced, 500u);
+}
+
+}  // namespace
+}  // namespace gvx::tests
