@@ -24,7 +24,7 @@ struct BufferView {
   GVX_HD T& operator[](std::size_t i) const { return data[i]; }
   GVX_HD T* begin() const { return data; }
   GVX_HD T* end() const { return data + size; }
-  GVX_HD operator BufferView<const T>() const { return {data, size}; }
+  GVX_HD operator BufferView<const T>() const requires(!std::is_const_v<T>) { return {data, size}; }
 };
 
 /// Owns `size` trivially copyable elements on a device, zeroed; moves, never copies.

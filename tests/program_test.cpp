@@ -1,0 +1,268 @@
+// The program as a user runs it: what it prints, what it writes, and how it fails.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include "gvx/io/image.h"
+
+namespace gvx {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int status = 0;
+  std::string output;  // both streams
+};
+
+/// Runs a shell command; a signal is status 128 + its number.
+Outcome shell(const std::string& command) {
+  Outcome outcome;
+  FILE* pipe = popen(("{ " + command + " ; } 2>&1").c_str(), "r");
+  GVX_CHECK(pipe != nullptr);
+  std::array<char, 4096> buffer;
+  while (const std::size_t got = fread(buffer.data(), 1, buffer.size(), pipe))
+    outcome.output.append(buffer.data(), got);
+  const int status = pclose(pipe);
+  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return outcome;
+}
+
+class Program : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  Outcome gvx(const std::string& arguments) const {
+    return shell("cd '" + folder_ + "' && timeout 120 " GVX_PROGRAM " " + arguments);
+  }
+  /// Runs it and expects one line of error with this in it, and the exit status.
+  void expect_error(const std::string& arguments, const std::string& part, int status = 1) const {
+    const Outcome outcome = gvx(arguments);
+    EXPECT_EQ(outcome.status, status) << arguments << "\n" << outcome.output;
+    EXPECT_NE(outcome.output.find(part), std::string::npos) << arguments << "\n" << outcome.output;
+    EXPECT_EQ(outcome.output.rfind("gvx: ", 0), 0u) << outcome.output;
+    EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+  }
+  std::string path(const std::string& name) const { return folder_ + "/" + name; }
+  /// A raw ball of 40 x 36 x 30 u8 voxels.
+  std::string write_ball(const std::string& name = "ball_40x36x30_uint8.raw") const {
+    std::ofstream file(path(name), std::ios::binary);
+    for (int z = 0; z < 30; ++z) {
+      for (int y = 0; y < 36; ++y) {
+        for (int x = 0; x < 40; ++x) {
+          const double r = std::hypot(std::hypot(x - 19.5, y - 17.5), z - 14.5);
+          file.put(static_cast<char>(std::max(0.0, 250 - 16 * r)));
+        }
+      }
+    }
+    return name;
+  }
+  nlohmann::json read_json(const std::string& name) const {
+    std::ifstream file(path(name));
+    return nlohmann::json::parse(file);
+  }
+
+  std::string folder_ = testing::TempDir() + "gvx_program";
+};
+
+TEST_F(Program, explains_itself) {
+  for (const char* arguments :
+       {"--help", "info --help", "build --help", "render --help", "verify --help", "--version"}) {
+    const Outcome outcome = gvx(arguments);
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_NE(outcome.output.find("gvx"), std::string::npos);
+  }
+}
+
+TEST_F(Program, builds_verifies_describes_and_renders) {
+  write_ball();
+  Outcome outcome = gvx("build ball_40x36x30_uint8.raw -o ball.gvx --brick 8 --codec lz4 --spacing 1,1,2");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_EQ(gvx("verify ball.gvx").status, 0);
+  outcome = gvx("info ball.gvx --json");
+  const auto info = nlohmann::json::parse(outcome.output);
+  EXPECT_EQ(info["dimensions"], (std::vector<int>{40, 36, 30}));
+  EXPECT_EQ(info["spacing"], (std::vector<double>{1, 1, 2}));
+  EXPECT_EQ(info["brick"], 8);
+  EXPECT_EQ(info["codec"], "lz4");
+  outcome = gvx("render ball.gvx -o ball.png --size 80x60 --tf solid --stats ball.json");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto image = io::read_png(path("ball.png")).value();
+  EXPECT_EQ(image.width, 80u);
+  EXPECT_GT(image.rgba[4 * (80 * 30 + 40)], 100);  // the ball is in the middle
+  EXPECT_EQ(image.rgba[0], 0);                     // and not in the corner
+  const auto statistics = read_json("ball.json");
+  for (const char* field :
+       {"frame_milliseconds", "passes", "requests", "bricks_produced", "bricks_resident", "nodes_resident",
+        "bytes_read", "samples", "peak_memory_bytes", "converged", "resident_share"}) {
+    EXPECT_TRUE(statistics.contains(field)) << field;
+  }
+  EXPECT_EQ(statistics["converged"], true);
+  // The camera that it prints is one that it takes, and gives the same picture.
+  const std::size_t at = outcome.output.find("--camera");
+  ASSERT_NE(at, std::string::npos);
+  const std::string camera = outcome.output.substr(at, outcome.output.find('\n', at) - at);
+  ASSERT_EQ(gvx("render ball.gvx -o again.png --size 80x60 --tf solid " + camera).status, 0);
+  EXPECT_EQ(shell("cmp '" + path("ball.png") + "' '" + path("again.png") + "'").status, 0);
+}
+
+TEST_F(Program, renders_a_foreign_file_as_its_store) {
+  write_ball();
+  ASSERT_EQ(gvx("build ball_40x36x30_uint8.raw -o ball.gvx").status, 0);
+  ASSERT_EQ(gvx("render ball.gvx -o a.png --size 64x64").status, 0);
+  ASSERT_EQ(gvx("render ball_40x36x30_uint8.raw -o b.png --size 64x64").status, 0);
+  EXPECT_EQ(shell("cmp '" + path("a.png") + "' '" + path("b.png") + "'").status, 0);
+}
+
+TEST_F(Program, renders_the_sponge_and_writes_exr) {
+  ASSERT_EQ(gvx("render sponge -o s.exr --size 64x48").status, 0);
+  std::ifstream file(path("s.exr"), std::ios::binary);
+  std::array<unsigned char, 4> magic{};
+  file.read(reinterpret_cast<char*>(magic.data()), 4);
+  EXPECT_EQ(magic, (std::array<unsigned char, 4>{0x76, 0x2f, 0x31, 0x01}));
+}
+
+TEST_F(Program, the_picture_does_not_depend_on_memory_or_threads) {
+  // A head CT where Debian's package is there, a ball otherwise.
+  write_ball();
+  std::string input = "ball_40x36x30_uint8.raw";
+  if (shell(GVX_FETCH_HEAD " '" + folder_ + "'").status == 0) input = "head.nhdr";
+  ASSERT_EQ(gvx("build " + input + " -o v.gvx").status, 0);
+  ASSERT_EQ(gvx("render v.gvx -o first.png --size 400x300").status, 0);
+  for (const char* memory : {"4M", "32M", "1G"}) {
+    for (const char* threads : {"1", "2"}) {
+      const std::string flags = std::string(" --memory ") + memory + " --threads " + threads;
+      ASSERT_EQ(gvx("render v.gvx -o other.png --size 400x300" + flags).status, 0);
+      EXPECT_EQ(shell("cmp '" + path("first.png") + "' '" + path("other.png") + "'").status, 0) << flags;
+    }
+  }
+}
+
+TEST_F(Program, budget_frames_end_at_the_exact_picture) {
+  write_ball();
+  ASSERT_EQ(gvx("render ball_40x36x30_uint8.raw -o a.png --size 64x64 --exact").status, 0);
+  ASSERT_EQ(
+      gvx("render ball_40x36x30_uint8.raw -o b.png --size 64x64 --budget 20ms --frames 300 --stats b.json")
+          .status,
+      0);
+  EXPECT_EQ(read_json("b.json")["converged"], true);
+  EXPECT_EQ(shell("cmp '" + path("a.png") + "' '" + path("b.png") + "'").status, 0);
+}
+
+TEST_F(Program, bad_command_lines_are_one_line_and_status_2) {
+  for (const char* arguments :
+       {"", "explode", "render", "render sponge", "build x.raw", "build x.raw -o y.gvx --brick 12",
+        "build x.raw -o y.gvx --codec zip", "render sponge -o a.png --device abacus",
+        "render sponge -o a.png --threads -3", "render sponge -o a.png --exact --budget 5ms", "info"}) {
+    const Outcome outcome = gvx(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments << outcome.output;
+    EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+  }
+}
+
+TEST_F(Program, bad_values_are_one_line_that_names_them) {
+  write_ball();
+  ASSERT_EQ(gvx("build ball_40x36x30_uint8.raw -o ball.gvx").status, 0);
+  expect_error("render ball.gvx -o a.jpg", "a.jpg");
+  expect_error("render ball.gvx -o a.png --size 12", "'12'");
+  expect_error("render ball.gvx -o a.png --size 99999x5", "99999x5");
+  expect_error("render ball.gvx -o a.png --camera eye=1,2", "camera");
+  expect_error("render ball.gvx -o a.png --memory lots", "lots");
+  expect_error("render ball.gvx -o a.png --memory 100", "memory");
+  expect_error("render ball.gvx -o a.png --budget soon", "soon");
+  expect_error("render ball.gvx -o a.png --tf rainbow", "rainbow");
+  expect_error("render ball.gvx -o a.png --clip 1,1,1,0,0,0", "clip");
+  expect_error("render ball.gvx -o no/such/folder/a.png", "no/such/folder");
+  expect_error("render nothing.gvx -o a.png", "nothing.gvx");
+  expect_error("render ball.gvx -o a.png --stats no/such/s.json", "no/such");
+  expect_error("build ball_40x36x30_uint8.raw -o ball.gvx", "--force");
+  expect_error("build ball_40x36x30_uint8.raw -o no/such/b.gvx", "no/such");
+  expect_error("build ball_40x36x30_uint8.raw -o b.gvx --dims 4,4,400000 --dtype f64",
+               "ball_40x36x30_uint8.raw");
+  expect_error("build ball_40x36x30_uint8.raw -o b.gvx --dims 0,4,4", "0,4,4");
+  expect_error("build ball_40x36x30_uint8.raw -o b.gvx --dtype u128", "u128");
+  expect_error("build ball_40x36x30_uint8.raw -o b.gvx --memory 10K", "--memory");
+  expect_error("verify ball_40x36x30_uint8.raw", "ball_40x36x30_uint8.raw");
+  expect_error("info .", ".");
+  EXPECT_FALSE(fs::exists(path("a.png")) && fs::file_size(path("a.png")) == 0);
+  EXPECT_FALSE(fs::exists(path("b.gvx")));
+}
+
+TEST_F(Program, asking_for_a_gpu_that_is_not_there_is_an_error) {
+  if (shell("nvidia-smi").status == 0) GTEST_SKIP() << "there is a GPU";
+  expect_error("render sponge -o a.png --device cuda", "CUDA");
+}
+
+TEST_F(Program, a_damaged_store_is_an_error_and_leaves_no_picture) {
+  write_ball();
+  ASSERT_EQ(gvx("build ball_40x36x30_uint8.raw -o ball.gvx").status, 0);
+  std::fstream file(path("ball.gvx"), std::ios::binary | std::ios::in | std::ios::out);
+  file.seekp(700);
+  for (int i = 0; i < 3000; ++i) file.put('#');
+  file.close();
+  expect_error("render ball.gvx -o a.png", "ball.gvx: corrupt");
+  expect_error("verify ball.gvx", "ball.gvx: corrupt");
+  EXPECT_FALSE(fs::exists(path("a.png")));
+}
+
+TEST_F(Program, a_build_that_is_killed_leaves_no_store_and_the_next_one_works) {
+  // A pipe that stays open in the middle of the volume: the build waits for the rest when it is killed.
+  const std::string volume = "head -c 20000000 /dev/zero; sleep 30";
+  const std::string flags = "build - -o killed.gvx --dims 512,512,400 --dtype u8";
+  shell("cd '" + folder_ + "' && ( " + volume + " ) | timeout -s KILL 2 " GVX_PROGRAM " " + flags +
+        " & sleep 3; wait %1 2>/dev/null; pkill -f 'sleep 30'");
+  EXPECT_TRUE(fs::exists(path("killed.gvx.partial")));
+  EXPECT_FALSE(fs::exists(path("killed.gvx")));
+  EXPECT_EQ(gvx("verify killed.gvx.partial").status, 1);
+  const Outcome outcome =
+      shell("cd '" + folder_ + "' && head -c 104857600 /dev/zero | " GVX_PROGRAM " " + flags);
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_EQ(gvx("verify killed.gvx").status, 0);
+  EXPECT_FALSE(fs::exists(path("killed.gvx.partial")));
+}
+
+TEST_F(Program, every_malformed_volume_gives_an_error_or_a_picture) {
+  const char* data = std::getenv("GVX_TEST_DATA");
+  if (data == nullptr || !fs::exists(std::string(data) + "/malformed"))
+    GTEST_SKIP() << "GVX_TEST_DATA is not set";
+  int tried = 0, rendered = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(std::string(data) + "/malformed")) {
+    if (!entry.is_regular_file()) continue;
+    const std::string extension = entry.path().extension();
+    const bool volume = extension == ".nrrd" || extension == ".nhdr" || extension == ".gz" ||
+                        extension == ".raw" || extension == ".nii" || extension == ".mha" ||
+                        extension == ".mhd";
+    // Every volume, and a sample of the rest: what is no volume at all must be refused as clearly.
+    if (!volume && tried % 5 != 0) {
+      ++tried;
+      continue;
+    }
+    ++tried;
+    const Outcome outcome = gvx("render '" + entry.path().string() + "' -o m.png --size 32x32 --quiet");
+    EXPECT_TRUE(outcome.status == 0 || outcome.status == 1)
+        << entry.path() << outcome.status << outcome.output;
+    EXPECT_LE(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+    if (outcome.status == 1) {
+      EXPECT_EQ(outcome.output.rfind("gvx: ", 0), 0u) << outcome.output;
+    }
+    rendered += outcome.status == 0 ? 1 : 0;
+  }
+  EXPECT_GT(tried, 100);
+  EXPECT_GT(rendered, 3);
+}
+
+}  // namespace
+}  // namespace gvx
