@@ -79,7 +79,9 @@ struct TransferView {
   GVX_HD bool transparent(ValueRange stored) const {
     const Place a = place(to_entry_scale >= 0 ? stored.minimum : stored.maximum);
     const Place b = place(to_entry_scale >= 0 ? stored.maximum : stored.minimum);
-    return opaque_before[b.low + 2] == opaque_before[a.low];
+    // A value on an entry, as all beyond the table's ends are, takes nothing from the entry beside it.
+    const int first = a.low + (a.weight >= 1.0f ? 1 : 0), last = b.low + (b.weight > 0.0f ? 1 : 0);
+    return opaque_before[last + 1] == opaque_before[first];
   }
 };
 

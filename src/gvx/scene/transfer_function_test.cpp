@@ -69,6 +69,17 @@ TEST(TransferTable, transparency_is_conservative) {
   }
 }
 
+TEST(TransferTable, what_is_beyond_a_transparent_end_is_transparent) {
+  // Most of a scan is: air below the first point.
+  const std::vector<double> steps = {1.0};
+  const TransferFunction ramp = {{{100, {1, 1, 1}}}, {{100, 0}, {200, 1}}, 0};
+  EXPECT_TRUE(bake(ramp, 1, 0, steps).view().transparent({-1000, 100}));
+  EXPECT_FALSE(bake(ramp, 1, 0, steps).view().transparent({-1000, 101}));
+  const TransferFunction fall = {{{100, {1, 1, 1}}}, {{100, 1}, {200, 0}}, 0};
+  EXPECT_TRUE(bake(fall, 1, 0, steps).view().transparent({200, 5000}));
+  EXPECT_FALSE(bake(fall, 1, 0, steps).view().transparent({199, 5000}));
+}
+
 TEST(TransferFunction, check_names_the_point) {
   TransferFunction f = tent();
   f.opacities[2].opacity = 1.5;
