@@ -64,7 +64,8 @@ Engine::Engine(const exec::Device& device, std::shared_ptr<const produce::Produc
 
 Status Engine::look(const render::View& view) {
   if (view_ && *view_ == view) return {};
-  GVX_ASSIGN(auto frame, render::Frame::make(device_, view, placement_of(producer_->description())));
+  GVX_ASSIGN(auto frame, render::Frame::make(device_, view, placement_of(producer_->description()),
+                                             frame_ ? &*frame_ : nullptr));
   const bool new_function = !view_ || !(view_->function == view.function);
   const bool new_size = !view_ || view_->width != view.width || view_->height != view.height;
   frame_ = std::move(frame);

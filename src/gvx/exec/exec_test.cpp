@@ -101,7 +101,7 @@ TEST_P(EveryDevice, for_each_pixel_visits_every_pixel_of_the_listed_tiles_once) 
   }
 }
 
-TEST_P(EveryDevice, for_each_pixel_begins_no_tile_after_the_deadline) {
+TEST_P(EveryDevice, for_each_pixel_begins_no_row_after_the_deadline) {
   const TileGrid grid{64, 64, 16};
   const auto tiles = upload(device(), {0, 1, 2, 3});
   Buffer<std::uint32_t> pixels(device(), 64 * 64);

@@ -84,11 +84,13 @@ void for_each(const Device& device, [[maybe_unused]] const char* name, std::size
 }
 
 /// Calls functor(x, y) for every pixel of the listed tiles, a tile at a time (on CUDA a thread block a tile),
-/// and waits. Tiles that have not begun at the deadline are left out; returns whether all were done.
+/// and waits. Rows of tiles that have not begun at the deadline are left out; returns whether all were done.
 template <typename Functor>
 bool for_each_pixel(const Device& device, [[maybe_unused]] const char* name, TileGrid grid,
                     BufferView<const std::uint32_t> tiles, Deadline deadline, Functor functor) {
-  const auto late = [deadline] { return std::chrono::steady_clock::now() >= deadline; };
+  const auto late = [deadline] {
+    return deadline != no_deadline() && std::chrono::steady_clock::now() >= deadline;
+  };
 #if defined(__CUDACC__)
   if (device.kind() == DeviceKind::cuda) {
     // A band of tiles is the unit that a deadline can stop between; without one all are launched at once.
@@ -105,15 +107,15 @@ bool for_each_pixel(const Device& device, [[maybe_unused]] const char* name, Til
   std::atomic<bool> all_done{true};
   device.arena().execute([&] {
     tbb::parallel_for(std::size_t(0), tiles.size, [&](std::size_t t) {
-      if (late()) {
-        all_done.store(false, std::memory_order_relaxed);
-        return;
-      }
       const std::uint32_t x0 = tiles[t] % grid.tiles_x() * grid.tile,
                           y0 = tiles[t] / grid.tiles_x() * grid.tile;
       const std::uint32_t x1 = x0 + grid.tile < grid.width ? x0 + grid.tile : grid.width;
       const std::uint32_t y1 = y0 + grid.tile < grid.height ? y0 + grid.tile : grid.height;
       for (std::uint32_t y = y0; y < y1; ++y) {
+        if (late()) {
+          all_done.store(false, std::memory_order_relaxed);
+          return;
+        }
         for (std::uint32_t x = x0; x < x1; ++x) functor(x, y);
       }
     });

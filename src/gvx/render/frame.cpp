@@ -34,7 +34,8 @@ Status check(const View& view) {
 
 }  // namespace
 
-Result<Frame> Frame::make(const exec::Device& device, const View& view, const TreePlacement& placement) {
+Result<Frame> Frame::make(const exec::Device& device, const View& view, const TreePlacement& placement,
+                          const Frame* previous) {
   GVX_TRY(check(view));
   GVX_CHECK(placement.max_level < kMaxLevels);
   Frame frame;
@@ -77,27 +78,36 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   for (int level = 0; level <= placement.max_level; ++level) {
     step_units.push_back(v.tick_world * static_cast<double>(v.stride[level]) / unit);
   }
-  const scene::TransferTable table =
-      scene::bake(view.function, placement.scale, placement.offset, step_units);
-  frame.colors_ = upload(device, table.colors);
-  frame.opacities_ = upload(device, table.opacities);
-  frame.opaque_before_ = upload(device, table.opaque_before);
-  v.function.to_entry_scale = table.to_entry_scale;
-  v.function.to_entry_offset = table.to_entry_offset;
+  const bool same_tables = previous != nullptr && previous->tables_->function == view.function &&
+                           previous->tables_->step_units == step_units;
+  frame.tables_ =
+      same_tables ? previous->tables_ : make_tables(device, view.function, placement, std::move(step_units));
+  v.function = frame.tables_->view;
 
   v.lighting = view.lighting;
   v.to_light = Vec3f(scene::direction_to_light(v.camera.forward, v.camera.right, v.camera.up));
   // A surface crosses the function's values within a few voxels; a two-hundredth of them a voxel is noise.
-  v.soft_gradient = static_cast<float>(scene::TransferView::kEntries / std::abs(table.to_entry_scale) / 200);
+  v.soft_gradient =
+      static_cast<float>(scene::TransferView::kEntries / std::abs(v.function.to_entry_scale) / 200);
   return frame;
 }
 
-FrameView Frame::view() const {
-  FrameView v = view_;
-  v.function.colors = colors_.view().data;
-  v.function.opacities = opacities_.view().data;
-  v.function.opaque_before = opaque_before_.view().data;
-  return v;
+std::shared_ptr<const Frame::Tables> Frame::make_tables(const exec::Device& device,
+                                                        const scene::TransferFunction& function,
+                                                        const TreePlacement& placement,
+                                                        std::vector<double> step_units) {
+  const scene::TransferTable table = scene::bake(function, placement.scale, placement.offset, step_units);
+  auto tables = std::make_shared<Tables>();
+  tables->function = function;
+  tables->step_units = std::move(step_units);
+  tables->colors = upload(device, table.colors);
+  tables->opacities = upload(device, table.opacities);
+  tables->opaque_before = upload(device, table.opaque_before);
+  tables->view = table.view();
+  tables->view.colors = tables->colors.view().data;
+  tables->view.opacities = tables->opacities.view().data;
+  tables->view.opaque_before = tables->opaque_before.view().data;
+  return tables;
 }
 
 }  // namespace gvx::render

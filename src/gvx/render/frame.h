@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "gvx/core/affine.h"
@@ -72,19 +73,32 @@ struct FrameView {
   }
 };
 
-/// Owns the buffers behind a FrameView.
+/// Owns the tables behind a FrameView; frames of one transfer function share them.
 class Frame {
  public:
-  /// An error where the view cannot be made: a bad camera, function, clip box or size.
-  static Result<Frame> make(const exec::Device& device, const View& view, const TreePlacement& placement);
+  /// An error where the view cannot be made: a bad camera, function, clip box or size. `previous`, if not
+  /// null, is a frame on the same device and tree whose tables are taken where they are the same.
+  static Result<Frame> make(const exec::Device& device, const View& view, const TreePlacement& placement,
+                            const Frame* previous = nullptr);
 
-  FrameView view() const;
+  FrameView view() const { return view_; }
 
  private:
+  struct Tables {
+    scene::TransferFunction function;
+    std::vector<double> step_units;
+    exec::Buffer<Vec3f> colors;
+    exec::Buffer<float> opacities;
+    exec::Buffer<std::uint32_t> opaque_before;
+    scene::TransferView view;
+  };
+  static std::shared_ptr<const Tables> make_tables(const exec::Device& device,
+                                                   const scene::TransferFunction& function,
+                                                   const TreePlacement& placement,
+                                                   std::vector<double> step_units);
+
   FrameView view_;
-  exec::Buffer<Vec3f> colors_;
-  exec::Buffer<float> opacities_;
-  exec::Buffer<std::uint32_t> opaque_before_;
+  std::shared_ptr<const Tables> tables_;
 };
 
 }  // namespace gvx::render
