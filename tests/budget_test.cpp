@@ -26,6 +26,24 @@ TEST(Budget, the_first_frame_shows_the_whole_volume) {
   EXPECT_GE(statistics.bricks_resident, 1u);
 }
 
+TEST(Budget, shows_something_even_in_no_time_at_all) {
+  TestScene scene = scene_of("no_time");
+  const auto engine = engine::Engine::create(exec::Device::cpu(), scene.open(), {}).value();
+  ASSERT_TRUE(engine->look(scene.view).ok());
+  ASSERT_TRUE(engine->render_for(1ns).ok());
+  EXPECT_GE(psnr(engine->picture(), render_exact(scene)), 12);
+}
+
+TEST(Budget, comes_to_rest_in_frames_shorter_than_any_stage_of_the_preview) {
+  TestScene scene = scene_of("short");
+  const auto engine = engine::Engine::create(exec::Device::cpu(1), scene.open(), {}).value();
+  ASSERT_TRUE(engine->look(scene.view).ok());
+  for (int frame = 0; frame < 200000 && !engine->converged(); ++frame)
+    ASSERT_TRUE(engine->render_for(100us).ok());
+  ASSERT_TRUE(engine->converged());
+  EXPECT_EQ(engine->picture().rgba, render_exact(scene).rgba);
+}
+
 TEST(Budget, comes_to_rest_at_the_exact_picture_whatever_the_cache) {
   for (const engine::EngineOptions& options :
        {engine::EngineOptions{1ull << 30, {}}, engine::EngineOptions{0, engine::PoolSizes{4096, 60}},

@@ -87,6 +87,16 @@ nlohmann::json to_json(const engine::Statistics& s) {
           {"worst_lack", s.worst_lack}};
 }
 
+/// The newer frame's state, with the costs of both.
+engine::Statistics sum(const engine::Statistics& before, engine::Statistics now) {
+  now.frame_milliseconds += before.frame_milliseconds;
+  now.passes += before.passes;
+  now.requests += before.requests;
+  now.bricks_produced += before.bricks_produced;
+  now.bricks_evicted += before.bricks_evicted;
+  return now;
+}
+
 Status render(const Options& o) {
   if (!o.output.ends_with(".png") && !o.output.ends_with(".exr")) {
     return Error{o.output + ": the picture's name must end in .png or .exr"};
@@ -100,13 +110,17 @@ Status render(const Options& o) {
   GVX_ASSIGN(const render::View view, make_view(o, scene));
   GVX_ASSIGN(const auto engine, engine::Engine::create(device, scene.producer, engine_options));
   GVX_TRY(engine->look(view));
+  engine::Statistics statistics;
   if (o.budget.empty()) {
     GVX_TRY(engine->render_exact());
+    statistics = engine->statistics();
   } else {
     GVX_ASSIGN(const auto budget, parse_duration(o.budget));
-    for (int frame = 0; frame < o.frames; ++frame) GVX_TRY(engine->render_for(budget));
+    for (int frame = 0; frame < o.frames && !engine->converged(); ++frame) {
+      GVX_TRY(engine->render_for(budget));
+      statistics = sum(statistics, engine->statistics());
+    }
   }
-  const engine::Statistics statistics = engine->statistics();
   GVX_TRY(write_picture(o.output, engine->picture()));
   if (!o.stats.empty()) {
     const std::string text = to_json(statistics).dump(2) + "\n";

@@ -2,6 +2,9 @@
 /// Affine3: a 3x4 matrix that places one space in another, in double precision.
 #pragma once
 
+#include <cmath>
+
+#include "gvx/core/result.h"
 #include "gvx/core/vec.h"
 
 namespace gvx {
@@ -24,6 +27,21 @@ struct Affine3 {
 /// The signed volume of the unit cube's image; zero means that there is no inverse.
 inline double determinant(const Affine3& a) {
   return dot(a.column[0], cross(a.column[1], a.column[2]));
+}
+
+/// An error where the map has no sound inverse, or stretches one axis more than a million times as much as
+/// another: a volume placed so would be invisible, or take a ray for ever to cross.
+inline Status check_placement(const Affine3& a) {
+  double least = INFINITY, most = 0;
+  for (const Vec3d& column : a.column) {
+    least = std::fmin(least, length(column));
+    most = std::fmax(most, length(column));
+  }
+  const double d = std::fabs(determinant(a)) / (most * most * most);
+  const bool sound =
+      least > 1e-100 && most < 1e100 && most <= 1e6 * least && d > 1e-18 && std::isfinite(length(a.origin));
+  if (!sound) return Error{"the volume's placement in the world has no usable inverse"};
+  return {};
 }
 
 /// a after b: p goes to a.point(b.point(p)).

@@ -1,7 +1,9 @@
 #include "gvx/engine/engine.h"
 
 #include <algorithm>
+#include <new>
 #include <numeric>
+#include <string>
 
 namespace gvx::engine {
 namespace {
@@ -13,9 +15,10 @@ constexpr std::uint32_t kPreviewChunk = 128;
 // What a frame at rest spends on showing new data coarsely before exact rays reach it.
 constexpr double kRefreshShare = 0.4;
 
-// Passes of one screen tile, short of room in each, that are taken for hopeless. Pools of PoolSizes::fitting
-// never are: a screen tile's 256 rays stand on at most 32 tiles each.
-constexpr int kMostStuckPasses = 100000;
+// Passes in which no ray of the first screen tile came further that are taken for hopeless: descending to a
+// brick takes one a level, and pools that hold the paths of a tile's 256 rays, as those of PoolSizes::fitting
+// do, are never in need of more.
+constexpr int kMostStuckPasses = 2000;
 
 // Production threads beside a GPU, whose own host thread mostly waits.
 constexpr int kCudaProducers = 8;
@@ -35,8 +38,7 @@ Status check(const produce::TreeDescription& tree) {
     return Error{"volume: " + std::to_string(tree.max_level + 1) + " levels; the renderer knows " +
                  std::to_string(render::kMaxLevels)};
   }
-  if (determinant(tree.tree_to_world) == 0) return Error{"volume: its placement in the world has no inverse"};
-  return {};
+  return check_placement(tree.tree_to_world);
 }
 
 }  // namespace
@@ -48,6 +50,9 @@ Result<std::unique_ptr<Engine>> Engine::create(const exec::Device& device,
   PoolSizes sizes;
   if (options.pools) {
     sizes = *options.pools;
+    if (sizes.tiles < producer->description().max_level + 2 || sizes.bricks < 2) {
+      return Error{"memory: the pools do not hold one path down the tree and two bricks"};
+    }
   } else {
     GVX_ASSIGN(sizes, PoolSizes::fitting(options.memory_bytes, producer->description()));
   }
@@ -67,25 +72,31 @@ Status Engine::look(const render::View& view) {
   GVX_ASSIGN(auto frame, render::Frame::make(device_, view, placement_of(producer_->description()),
                                              frame_ ? &*frame_ : nullptr));
   const bool new_function = !view_ || !(view_->function == view.function);
-  const bool new_size = !view_ || view_->width != view.width || view_->height != view.height;
+  if (!view_ || view_->width != view.width || view_->height != view.height) {
+    try {
+      render::Film film(device_, view.width, view.height);
+      const std::uint32_t tiles = film.grid().tiles();
+      exec::Buffer<std::uint32_t> list(device_, std::max(tiles, kPreviewChunk)), flags(device_, tiles);
+      film_ = std::move(film);
+      tile_list_ = std::move(list);
+      tile_flags_ = std::move(flags);
+    } catch (const std::bad_alloc&) {
+      return Error{"picture size: no memory for " + std::to_string(view.width) + "x" +
+                   std::to_string(view.height)};
+    }
+  }
   frame_ = std::move(frame);
   view_ = view;
   residency_.set_function(frame_->view().function, new_function);
-  if (new_size) {
-    film_.emplace(device_, view.width, view.height);
-    tile_list_ = exec::Buffer<std::uint32_t>(device_, std::max(film_->grid().tiles(), kPreviewChunk));
-    tile_flags_ = exec::Buffer<std::uint32_t>(device_, film_->grid().tiles());
-  } else {
-    film_->clear();
-  }
+  film_->clear();
   unfinished_tiles_.resize(film_->grid().tiles());
   std::iota(unfinished_tiles_.begin(), unfinished_tiles_.end(), 0u);
   window_ = unfinished_tiles_.size();
   eviction_ = Eviction::unused;
   stuck_passes_ = 0;
   crowded_ = false;
-  preview_ = {};
-  data_came_ = false;
+  preview_at_rest_ = false;
+  begin_preview(render::Film::kLargestBlock);
   return {};
 }
 
@@ -134,7 +145,6 @@ std::vector<produce::Job> Engine::collect() {
     eviction_ = Eviction::any;
     residency_.limit_to_room(jobs, eviction_);
   }
-  stuck_passes_ = crowded_ && window_ == 1 ? stuck_passes_ + 1 : 0;
   window_ = crowded_ ? std::max<std::size_t>(1, window_ / 2)
                      : std::min<std::size_t>(window_ + window_ / 4 + 1, film_->grid().tiles());
   return jobs;
@@ -151,31 +161,65 @@ Status Engine::render_exact() {
       queue_.wait();             // produce
       GVX_TRY(take_finished());  // evict, commit
     }
-    if (stuck_passes_ > kMostStuckPasses) {
-      return Error{"memory: " + std::to_string(residency_.nodes().tiles()) + " node tiles and " +
-                   std::to_string(residency_.bricks().slots()) +
-                   " bricks do not hold what one screen tile needs"};
-    }
+    GVX_TRY(check_progress());
   }
   end_frame();
   return {};
 }
 
-/// Draws preview stages until the deadline or until the picture is drawn in single pixels.
-void Engine::preview_pass(exec::Deadline deadline) {
-  while (!preview_.complete && Clock::now() < deadline) {
-    const std::uint32_t block = preview_.block;
-    const exec::TileGrid grid{(view_->width + block - 1) / block, (view_->height + block - 1) / block, 8};
-    const std::uint32_t count = std::min(kPreviewChunk, grid.tiles() - preview_.tile);
-    std::iota(tile_list_.view().begin(), tile_list_.view().begin() + count, preview_.tile);
-    ++statistics_.passes;
-    if (!render::march_preview(device_, pass(), grid, {tile_list_.view().data, count}, deadline, block,
-                               preview_.refine, film_->rays(), film_->preview())) {
-      return;
+/// An error where the first unfinished tile's rays have stood still for long: the pools do not hold what they
+/// need.
+Status Engine::check_progress() {
+  std::int64_t progress = -static_cast<std::int64_t>(unfinished_tiles_.size());
+  if (!unfinished_tiles_.empty()) {
+    const exec::TileGrid grid = film_->grid();
+    const std::uint32_t x0 = unfinished_tiles_[0] % grid.tiles_x() * grid.tile;
+    const std::uint32_t y0 = unfinished_tiles_[0] / grid.tiles_x() * grid.tile;
+    for (std::uint32_t y = y0; y < std::min(y0 + grid.tile, grid.height); ++y) {
+      for (std::uint32_t x = x0; x < std::min(x0 + grid.tile, grid.width); ++x) {
+        const render::RayState& ray = film_->rays()[std::size_t(y) * grid.width + x];
+        progress += ray.tick + static_cast<std::int64_t>(ray.phase);
+      }
     }
-    preview_.tile += count;
-    if (preview_.tile < grid.tiles()) continue;
-    preview_ = {block / 2, 0, true, block == 1};
+  }
+  stuck_passes_ = progress == progress_ ? stuck_passes_ + 1 : 0;
+  progress_ = progress;
+  if (stuck_passes_ <= kMostStuckPasses) return {};
+  return Error{"memory: " + std::to_string(residency_.nodes().tiles()) + " node tiles and " +
+               std::to_string(residency_.bricks().slots()) +
+               " bricks do not hold what one screen tile needs"};
+}
+
+void Engine::begin_preview(std::uint32_t first_block) {
+  preview_ = {preview_.generation + 1, first_block, 0};
+  data_came_ = false;
+}
+
+/// Draws the next few tiles of the preview; returns false where the deadline cut them off.
+bool Engine::preview_chunk(exec::Deadline deadline) {
+  const std::uint32_t block = preview_.block;
+  const exec::TileGrid grid{(view_->width + block - 1) / block, (view_->height + block - 1) / block, 8};
+  const std::uint32_t count = std::min(kPreviewChunk, grid.tiles() - preview_.tile);
+  std::iota(tile_list_.view().begin(), tile_list_.view().begin() + count, preview_.tile);
+  ++statistics_.passes;
+  if (!render::march_preview(device_, pass(), grid, {tile_list_.view().data, count}, deadline, block,
+                             preview_.generation, film_->rays(), film_->preview())) {
+    return false;  // what was drawn of them is not drawn again
+  }
+  preview_.tile += count;
+  if (preview_.tile == grid.tiles()) {
+    preview_.block = block / 2;
+    preview_.tile = 0;
+  }
+  return true;
+}
+
+/// Draws preview stages until the deadline or until the picture is drawn in single pixels. The coarsest stage
+/// of a view's first preview is the small unit of work that is done in any case: a frame always shows
+/// something.
+void Engine::preview_pass(exec::Deadline deadline) {
+  while (preview_.block == render::Film::kLargestBlock) preview_chunk(exec::no_deadline());
+  while (!preview_.complete() && Clock::now() < deadline && preview_chunk(deadline)) {
   }
 }
 
@@ -188,23 +232,22 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   GVX_TRY(take_finished());
   // A picture at rest that is drawn already is refreshed with what came since, for a part of the time; not
   // where the refresh would push out what exact rays wait for.
-  if (preview_.complete && data_came_ && !crowded_) {
-    preview_ = {1, 0, false, false};
-    data_came_ = false;
-  }
+  const bool refreshing = preview_.complete() && data_came_ && !crowded_;
+  if (refreshing) begin_preview(1);
+  preview_at_rest_ = preview_at_rest_ || refreshing;
   const auto refresh_deadline =
       frame_start_ + std::chrono::duration_cast<std::chrono::nanoseconds>(budget * kRefreshShare);
-  while (!unfinished_tiles_.empty() && Clock::now() < deadline) {
-    const bool refreshing = preview_.block == 1 && !preview_.refine;
-    preview_pass(refreshing ? refresh_deadline : deadline);  // render
-    if (preview_.complete || refreshing) exact_pass(deadline);
+  do {
+    preview_pass(preview_at_rest_ ? refresh_deadline : deadline);  // render
+    if (preview_.complete()) preview_at_rest_ = true;
+    if (preview_at_rest_) exact_pass(deadline);
     queue_.replace(collect());  // collect
     while (!unfinished_tiles_.empty() && !queue_.idle() && Clock::now() < deadline) {
       queue_.wait_until(deadline);  // produce
       GVX_TRY(take_finished());     // evict, commit
     }
-    if (preview_.complete) ++stamp_;
-  }
+    if (preview_.complete()) ++stamp_;
+  } while (!unfinished_tiles_.empty() && Clock::now() < deadline);
   end_frame();
   return {};
 }
@@ -239,7 +282,7 @@ Statistics Engine::statistics() const {
   s.nodes_resident = residency_.resident_nodes();
   s.bytes_read = producer_->bytes_read();
   s.samples = totals.samples;
-  s.converged = film_ && unfinished_tiles_.empty();
+  s.converged = converged();
   const double wanted = static_cast<double>(std::max<std::uint64_t>(totals.wanted, 1));
   s.resident_share = s.converged ? 1.0 : static_cast<double>(totals.resident) / wanted;
   s.worst_lack = s.converged ? 0 : totals.worst_lack;

@@ -46,6 +46,8 @@ class Engine {
   /// until the picture is the exact one.
   Status render_for(std::chrono::nanoseconds budget);
 
+  /// Is the picture the exact one?
+  bool converged() const { return film_.has_value() && unfinished_tiles_.empty(); }
   render::Picture picture() const;
   /// Of the last call of render_exact or render_for. Reads all pixels.
   Statistics statistics() const;
@@ -56,18 +58,22 @@ class Engine {
  private:
   /// How far a preview has come: its stage and the first tile of it that is not drawn.
   struct PreviewProgress {
-    std::uint32_t block = render::Film::kLargestBlock;
+    std::uint32_t generation = 0;
+    std::uint32_t block = 0;  ///< 0: complete
     std::uint32_t tile = 0;
-    bool refine = false;
-    bool complete = false;
+
+    bool complete() const { return block == 0; }
   };
 
   Engine(const exec::Device& device, std::shared_ptr<const produce::Producer> producer, PoolSizes sizes);
 
   render::Pass pass();
   void exact_pass(exec::Deadline deadline);
+  void begin_preview(std::uint32_t first_block);
+  bool preview_chunk(exec::Deadline deadline);
   void preview_pass(exec::Deadline deadline);
   std::vector<produce::Job> collect();
+  Status check_progress();
   Status take_finished();
   void begin_frame();
   void end_frame();
@@ -84,10 +90,12 @@ class Engine {
   std::size_t window_ = 0;  // of unfinished tiles, how many run at a time
   Eviction eviction_ = Eviction::unused;
   bool crowded_ = false;  // rays wanted more than there was room for
-  int stuck_passes_ = 0;
+  int stuck_passes_ = 0;  // in which no ray of a lone screen tile came further
+  std::int64_t progress_ = 0;
   std::uint32_t stamp_ = 0;
   PreviewProgress preview_;
-  bool data_came_ = false;  // since the preview was begun
+  bool data_came_ = false;        // since the preview was begun
+  bool preview_at_rest_ = false;  // this view was drawn in single pixels once: exact rays run
   std::chrono::steady_clock::time_point frame_start_;
   Statistics statistics_;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <unordered_set>
+#include <utility>
 
 namespace gvx::engine {
 
@@ -145,26 +146,27 @@ bool Residency::limit_to_room(std::vector<Job>& jobs, Eviction eviction) const {
 
 std::vector<std::uint32_t> Residency::make_room_for_tiles(std::size_t wanted, Eviction eviction) {
   const auto count = static_cast<std::uint32_t>(std::min(wanted, room_for_tiles(eviction)));
-  const auto taken = nodes_.usage().take_oldest(count);
+  auto taken = nodes_.usage().take_oldest(count);
   unused_tiles_ -= std::min(unused_tiles_, count);
   for (const std::uint32_t tile : taken) {
     if (!tile_occupied_[tile]) continue;
     tile_of_.erase(nodes_.tile_parent(TileIndex(tile)));
     tile_occupied_[tile] = false;
+    recycled_tiles_.push_back(tile);
   }
   return taken;
 }
 
 std::vector<std::uint32_t> Residency::make_room_for_bricks(std::size_t wanted, Eviction eviction) {
   const auto count = static_cast<std::uint32_t>(std::min(wanted, room_for_bricks(eviction)));
-  const auto taken = bricks_.usage().take_oldest(count);
+  auto taken = bricks_.usage().take_oldest(count);
   unused_bricks_ -= std::min(unused_bricks_, count);
   for (const std::uint32_t slot : taken) {
     BrickOwner& owner = brick_owner_[slot];
     if (!owner.occupied) continue;
     brick_of_.erase(owner.key);
     owner.occupied = false;
-    ++bricks_evicted_;
+    recycled_bricks_.push_back(slot);
   }
   return taken;
 }
@@ -200,11 +202,11 @@ Result<CommitCounts> Residency::commit(std::vector<Produced> made, Eviction evic
       bricks.push_back(&p);
     }
   }
-  const std::uint64_t evicted_before = bricks_evicted_;
   const auto tile_slots = make_room_for_tiles(tiles.size(), eviction);
   const auto brick_slots = make_room_for_bricks(bricks.size(), eviction);
-  nodes_.clear_pointers(tile_slots, brick_slots, bricks_.slots());
-  counts.bricks_evicted = bricks_evicted_ - evicted_before;
+  counts.bricks_evicted = recycled_bricks_.size();
+  nodes_.clear_pointers(std::exchange(recycled_tiles_, {}), std::exchange(recycled_bricks_, {}),
+                        bricks_.slots());
   counts.turned_away = tiles.size() - tile_slots.size() + bricks.size() - brick_slots.size();
   counts.committed = made.size() - counts.turned_away;
 
@@ -274,6 +276,11 @@ void Residency::check_invariants() const {
     }
     if (content.kind() == tree::ContentKind::constant) GVX_CHECK(nodes_.range(node).constant());
     GVX_CHECK(child_word.transparent() == is_transparent(nodes_.range(node)));
+    tree::NodeInfo info;
+    GVX_CHECK(producer_.describe(std::span(&key, 1), std::span(&info, 1)).ok());
+    GVX_CHECK(nodes_.range(node) == info.range || nodes_.range(node).constant());
+    GVX_CHECK(!content.bits || content.kind() != tree::ContentKind::constant || info.range.constant() ||
+              key.level == producer_.description().max_level);
   }
 }
 

@@ -31,7 +31,7 @@ struct PoolSizes {
 /// Whom a commit may push out.
 enum class Eviction {
   unused,  ///< only what the last pass did not touch: a preview's rays come back to what they used
-  any      ///< the oldest, used or not: exact rays never come back
+  any      ///< the oldest, used or not: exact rays have passed the bricks that they used
 };
 
 /// What a commit did with what it was given.
@@ -107,7 +107,8 @@ class Residency {
   std::unordered_map<produce::Job, std::vector<NodeIndex>, produce::JobHash> askers_;
   std::uint32_t unused_tiles_ = 0, unused_bricks_ = 0;  // at the front of the usage lists
   std::uint64_t requested_ = 0;
-  std::uint64_t bricks_evicted_ = 0;
+  std::vector<std::uint32_t> recycled_tiles_,
+      recycled_bricks_;  // had an owner, and nodes may still point at them
 };
 
 }  // namespace gvx::engine

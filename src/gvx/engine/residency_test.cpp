@@ -19,6 +19,7 @@ namespace {
 
 using produce::Job;
 using produce::JobKind;
+using produce::make;
 using produce::Produced;
 
 /// A ramp along x whose right part is one value.
@@ -55,20 +56,6 @@ class Repeated final : public produce::Producer {
  private:
   std::shared_ptr<const produce::Producer> below_;
 };
-
-Produced make(const produce::Producer& producer, const Job& job) {
-  Produced made{job, {}, {}, {}, {}, {}};
-  if (job.kind == JobKind::brick) {
-    made.voxels.resize(producer.description().brick_bytes());
-    made.status = producer.produce(job.key, made.voxels);
-  } else {
-    const int n = static_cast<int>(producer.description().n);
-    for (int i = 0; i < n * n * n; ++i) made.child_keys.push_back(producer.canonical(child(job.key, n, i)));
-    made.children.resize(made.child_keys.size());
-    made.status = producer.describe(made.child_keys, made.children);
-  }
-  return made;
-}
 
 struct Case {
   const char* name;

@@ -1,5 +1,7 @@
 #include "gvx/exec/device.h"
 
+#include <algorithm>
+
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/task_arena.h>
@@ -7,20 +9,25 @@
 #include "gvx/exec/cuda_support.h"
 
 namespace gvx::exec {
+namespace {
+
+constexpr int kMostThreads = 1024;
+
+}  // namespace
 
 Device Device::cpu(int threads) {
   const int count = threads > 0 ? threads : tbb::info::default_concurrency();
   // oneTBB caps all arenas together at the machine's cores; a larger wish (tests of races) must lift that
   // cap.
-  static tbb::global_control cap(tbb::global_control::max_allowed_parallelism, 64);
+  static tbb::global_control cap(
+      tbb::global_control::max_allowed_parallelism,
+      static_cast<std::size_t>(std::max(kMostThreads, tbb::info::default_concurrency())));
   return Device(DeviceKind::cpu, count, std::make_shared<tbb::task_arena>(count));
 }
 
-Result<Device> Device::cuda(int ordinal) {
+Result<Device> Device::cuda() {
   GVX_ASSIGN(const int count, cuda_support::device_count());
-  if (ordinal < 0 || ordinal >= count) {
-    return Error{"no CUDA device " + std::to_string(ordinal) + ": this machine has " + std::to_string(count)};
-  }
+  if (count == 0) return Error{"no CUDA device: this machine has none"};
   return Device(DeviceKind::cuda, 1, nullptr);
 }
 

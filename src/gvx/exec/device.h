@@ -22,8 +22,9 @@ class Device {
  public:
   /// The CPU with this many threads; 0 takes all that the process may use.
   static Device cpu(int threads = 0);
-  /// CUDA GPU `ordinal`; an error where this build has no CUDA or this machine has no such GPU.
-  static Result<Device> cuda(int ordinal = 0);
+  /// The CUDA runtime's current GPU (CUDA_VISIBLE_DEVICES chooses); an error where this build has no CUDA or
+  /// this machine no GPU.
+  static Result<Device> cuda();
   /// Every device of this build and machine: the CPU first.
   static std::vector<Device> all();
 

@@ -206,8 +206,8 @@ TEST_P(EveryDevice, relaxed_words_take_any_number_of_writers) {
 }
 
 TEST(Device, says_what_is_missing) {
-  const auto device = Device::cuda(1000);
-  ASSERT_FALSE(device.ok());
+  const auto device = Device::cuda();
+  if (device.ok()) GTEST_SKIP() << "there is a GPU";
   EXPECT_NE(device.error().message.find("CUDA"), std::string::npos);
 }
 

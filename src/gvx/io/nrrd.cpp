@@ -16,7 +16,7 @@ struct Header {
 };
 
 std::string canonical_name(std::string_view name) {
-  const std::string small = lower_case(trimmed(name));
+  std::string small = lower_case(trimmed(name));
   if (small == "datafile") return "data file";
   if (small == "lineskip") return "line skip";
   if (small == "byteskip") return "byte skip";

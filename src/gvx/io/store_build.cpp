@@ -156,7 +156,8 @@ bool same_bytes(SampleType from, const Conversion& c) {
          (from == SampleType::u16 && c.type == VoxelType::u16);
 }
 
-std::string bytes_text(std::uint64_t bytes) {
+/// As --memory takes it.
+std::string mebibytes(std::uint64_t bytes) {
   return std::to_string((bytes + (1 << 20) - 1) >> 20) + "M";
 }
 
@@ -176,12 +177,14 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, VolumeReader& read
   const std::uint64_t slice = slice_bytes(d);
   const std::uint64_t batch =
       std::clamp<std::uint64_t>(kBatchBytes / slice, 1, static_cast<std::uint64_t>(d.dimensions.z));
+  const std::uint64_t buffers =
+      3 + voxel_bytes(info.type) / sample_bytes(d.type);  // read, read ahead, converted
   const std::uint64_t needed = store::PyramidBuilder::window_bytes(info.shape, info.type) +
-                               batch * slice * (2 + voxel_bytes(info.type) / sample_bytes(d.type) + 1);
+                               std::min(store::saturating_product(batch * buffers, slice), UINT64_MAX / 2);
   if (needed > options.memory_bytes) {
-    return Error{d.path + ": building needs " + bytes_text(needed) + " of memory for slices of " +
+    return Error{d.path + ": building needs " + mebibytes(needed) + " of memory for slices of " +
                  std::to_string(d.dimensions.x) + " x " + std::to_string(d.dimensions.y) + " voxels; " +
-                 bytes_text(options.memory_bytes) +
+                 mebibytes(options.memory_bytes) +
                  " are allowed (--memory), and smaller bricks (--brick) need less"};
   }
 

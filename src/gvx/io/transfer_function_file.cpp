@@ -1,5 +1,6 @@
 #include "gvx/io/transfer_function_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cstring>
+#include <exception>
+#include <new>
+#include <string>
+#include <utility>
 
 namespace gvx::produce {
 namespace {
@@ -17,7 +21,36 @@ std::optional<float> single_value(VoxelType type, std::span<const std::byte> vox
   });
 }
 
+void do_job(const Producer& producer, Produced& produced) {
+  const TreeDescription& tree = producer.description();
+  const NodeKey& key = produced.job.key;
+  if (produced.job.kind == JobKind::brick) {
+    produced.voxels.resize(tree.brick_bytes());
+    produced.status = producer.produce(key, produced.voxels);
+    if (produced.status.ok() && key.level == tree.max_level) {
+      produced.constant = single_value(tree.type, produced.voxels);
+    }
+  } else {
+    const int n = static_cast<int>(tree.n);
+    for (int i = 0; i < n * n * n; ++i) produced.child_keys.push_back(producer.canonical(child(key, n, i)));
+    produced.children.resize(produced.child_keys.size());
+    produced.status = producer.describe(produced.child_keys, produced.children);
+  }
+}
+
 }  // namespace
+
+Produced make(const Producer& producer, const Job& job) {
+  Produced produced{job, {}, {}, {}, {}, {}};
+  try {
+    do_job(producer, produced);
+  } catch (const std::bad_alloc&) {
+    produced.status = Error{"out of memory"};
+  } catch (const std::exception& error) {
+    produced.status = Error{std::string("a producer failed: ") + error.what()};
+  }
+  return produced;
+}
 
 ProductionQueue::ProductionQueue(std::shared_ptr<const Producer> producer, int threads)
     : producer_(std::move(producer)) {
@@ -78,29 +111,12 @@ void ProductionQueue::work() {
     under_way_.insert(job);
     ++making_;
     lock.unlock();
-    Produced produced = make(job);
+    Produced produced = produce::make(*producer_, job);
     lock.lock();
     --making_;
     finished_.push_back(std::move(produced));
     work_done_.notify_all();
   }
-}
-
-Produced ProductionQueue::make(const Job& job) const {
-  const TreeDescription& tree = producer_->description();
-  Produced produced{job, {}, {}, {}, {}, {}};
-  if (job.kind == JobKind::brick) {
-    produced.voxels.resize(tree.brick_bytes());
-    produced.status = producer_->produce(job.key, produced.voxels);
-    if (produced.status.ok()) produced.constant = single_value(tree.type, produced.voxels);
-  } else {
-    const int n = static_cast<int>(tree.n);
-    for (int i = 0; i < n * n * n; ++i)
-      produced.child_keys.push_back(producer_->canonical(child(job.key, n, i)));
-    produced.children.resize(produced.child_keys.size());
-    produced.status = producer_->describe(produced.child_keys, produced.children);
-  }
-  return produced;
 }
 
 }  // namespace gvx::produce

@@ -43,6 +43,10 @@ struct Produced {
   std::vector<tree::NodeInfo> children;  ///< of children: N^3 of them
 };
 
+/// Does one job, on the calling thread; what the producer throws becomes an error. A brick of one value is a
+/// constant only where nothing is below it: the flat mean of a sub-tree says nothing of the sub-tree.
+Produced make(const Producer& producer, const Job& job);
+
 class ProductionQueue {
  public:
   ProductionQueue(std::shared_ptr<const Producer> producer, int threads);
@@ -68,7 +72,6 @@ class ProductionQueue {
 
  private:
   void work();
-  Produced make(const Job& job) const;
 
   std::shared_ptr<const Producer> producer_;
   mutable std::mutex mutex_;

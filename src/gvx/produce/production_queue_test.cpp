@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 
@@ -26,6 +27,7 @@ class CountingProducer final : public Producer {
   Status produce(const NodeKey& key, std::span<std::byte> voxels) const override {
     ++made;
     if (key.y == 99) return Error{"no such brick"};
+    if (key.y == 98) throw std::runtime_error("a bad day");
     const auto value = static_cast<std::uint16_t>(key.x);
     for (std::size_t i = 0; i < voxels.size(); i += 2) std::memcpy(&voxels[i], &value, 2);
     if (key.z == 1) voxels[0] = std::byte{255};
@@ -50,7 +52,7 @@ TEST(ProductionQueue, makes_every_job_once_and_recognises_constants) {
   const auto producer = std::make_shared<CountingProducer>();
   ProductionQueue queue(producer, 3);
   std::vector<Job> jobs;
-  for (std::uint32_t x = 0; x < 200; ++x) jobs.push_back({{5, x, 0, x % 2}, JobKind::brick});
+  for (std::uint32_t x = 0; x < 200; ++x) jobs.push_back({{8, x, 0, x % 2}, JobKind::brick});
   jobs.push_back({{3, 4, 5, 6}, JobKind::children});
   jobs.push_back(jobs[0]);
   queue.replace(jobs);
@@ -80,6 +82,21 @@ TEST(ProductionQueue, hands_on_errors) {
       std::find_if(made.begin(), made.end(), [](const Produced& p) { return !p.status.ok(); });
   ASSERT_NE(failed, made.end());
   EXPECT_EQ(failed->status.error().message, "no such brick");
+}
+
+TEST(ProductionQueue, turns_what_a_producer_throws_into_an_error) {
+  ProductionQueue queue(std::make_shared<CountingProducer>(), 1);
+  queue.replace({{{1, 0, 98, 0}, JobKind::brick}});
+  const auto made = finish(queue);
+  ASSERT_EQ(made.size(), 1u);
+  ASSERT_FALSE(made[0].status.ok());
+  EXPECT_NE(made[0].status.error().message.find("a bad day"), std::string::npos);
+}
+
+TEST(ProductionQueue, an_interior_brick_of_one_value_is_no_constant) {
+  const CountingProducer producer;
+  EXPECT_TRUE(make(producer, {{8, 5, 0, 0}, JobKind::brick}).constant.has_value());
+  EXPECT_FALSE(make(producer, {{7, 5, 0, 0}, JobKind::brick}).constant.has_value());
 }
 
 TEST(ProductionQueue, replacing_forgets_what_has_not_begun) {

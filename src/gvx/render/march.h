@@ -137,8 +137,9 @@ class RayMarcher {
     Place place;
     Vec3d x = step.p;
     for (int axis = 0; axis < 3; ++axis) {
-      // Rounding can put a sample on the cube's face a hair outside.
-      x[axis] = x[axis] < 0 ? 0 : x[axis] < 1 ? x[axis] : 1 - 1e-15;
+      // Rounding, or a ray in the plane of a face, can put a sample a hair outside the volume's box.
+      const double low = view_.frame.box.minimum[axis], high = view_.frame.box.maximum[axis] * (1 - 1e-15);
+      x[axis] = x[axis] < low ? low : x[axis] < high ? x[axis] : high;
     }
     std::uint32_t tile = 0, index = 0;
     while (true) {
@@ -206,8 +207,7 @@ class RayMarcher {
     const int step_level = coarser ? place.brick_level : step.level;
     const std::int64_t stride = view_.frame.stride[step_level];
     const double t_step = view_.frame.tick_world * static_cast<double>(stride);
-    double across = 1;
-    for (int i = 0; i < place.level; ++i) across *= N;
+    const double across = nodes_across(N, static_cast<std::uint32_t>(place.level));
 
     double t_exit = inside_.exit;
     for (int axis = 0; axis < 3; ++axis) {
@@ -219,9 +219,10 @@ class RayMarcher {
     }
     double count = std::ceil((t_exit - step.t_centre) / t_step);
     count = count > 1 ? count : 1;
-    const double to_zone_end = static_cast<double>((step.zone_end - step.tick) / stride);
+    const std::int64_t steps_to_zone_end = (step.zone_end - step.tick) / stride;  // both are multiples of it
+    const auto to_zone_end = static_cast<double>(steps_to_zone_end);
     count = count < to_zone_end || coarser ? count : to_zone_end;
-    const auto steps = static_cast<std::int64_t>(count);
+    const auto steps = static_cast<std::int64_t>(count < 1e15 ? count : 1e15);
 
     if (place.kind == Place::constant) {
       gather_constant(state, view_.nodes.range[place.node.value].minimum, step.level, steps);
@@ -253,9 +254,8 @@ class RayMarcher {
                            double t_step, std::int64_t steps) const {
     const FrameView& frame = view_.frame;
     const Voxel* voxels = view_.bricks.brick(place.slot);
-    double across = 1, shrink = 1;
-    for (int i = 0; i < place.brick_level; ++i) across *= N;
-    for (int i = place.brick_level; i < place.level; ++i) shrink *= N;
+    const double across = nodes_across(N, static_cast<std::uint32_t>(place.brick_level));
+    const double shrink = nodes_across(N, static_cast<std::uint32_t>(place.level - place.brick_level));
     Vec3f p, dp;
     for (int axis = 0; axis < 3; ++axis) {
       const double corner = std::floor(place.cell[axis] / shrink);

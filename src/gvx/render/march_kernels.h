@@ -40,18 +40,19 @@ template <typename Voxel, int N, int M>
 struct MarchPreview {
   PassView<Voxel, N, M> view;
   std::uint32_t block;
-  bool refine;
+  std::uint32_t generation;
   exec::BufferView<const RayState> rays;
   exec::BufferView<PreviewPixel> pixels;
   std::uint32_t epoch;
 
   GVX_HD void operator()(std::uint32_t block_x, std::uint32_t block_y) const {
-    if (refine && block_x % 2 == 0 && block_y % 2 == 0) return;
     const std::uint32_t x = block_x * block, y = block_y * block;
     const std::size_t pixel = std::size_t(y) * view.frame.width + x;
     if (rays[pixel].epoch == epoch && rays[pixel].phase == RayPhase::finished) return;
+    if (pixels[pixel].epoch == epoch && pixels[pixel].generation == generation) return;
     pixels[pixel] = RayMarcher<Voxel, N, M>(view, x, y).march_preview();
     pixels[pixel].epoch = epoch;
+    pixels[pixel].generation = generation;
   }
 };
 
@@ -87,21 +88,21 @@ bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid gr
 template <typename Voxel>
 bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
                    exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
-                   bool refine, exec::BufferView<const RayState> rays,
+                   std::uint32_t generation, exec::BufferView<const RayState> rays,
                    exec::BufferView<PreviewPixel> pixels) {
   return with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
     return exec::for_each_pixel(device, "march_preview", grid, tiles, deadline,
-                                MarchPreview<Voxel, N, M>{view, block, refine, rays, pixels, pass.epoch});
+                                MarchPreview<Voxel, N, M>{view, block, generation, rays, pixels, pass.epoch});
   });
 }
 
-#define GVX_INSTANTIATE_MARCH(PREFIX, VOXEL)                                                            \
-  PREFIX template bool march_exact<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,             \
-                                          exec::BufferView<const std::uint32_t>, exec::Deadline,        \
-                                          exec::BufferView<RayState>, exec::BufferView<std::uint32_t>); \
-  PREFIX template bool march_preview<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,           \
-                                            exec::BufferView<const std::uint32_t>, exec::Deadline,      \
-                                            std::uint32_t, bool, exec::BufferView<const RayState>,      \
+#define GVX_INSTANTIATE_MARCH(PREFIX, VOXEL)                                                                \
+  PREFIX template bool march_exact<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,                 \
+                                          exec::BufferView<const std::uint32_t>, exec::Deadline,            \
+                                          exec::BufferView<RayState>, exec::BufferView<std::uint32_t>);     \
+  PREFIX template bool march_preview<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,               \
+                                            exec::BufferView<const std::uint32_t>, exec::Deadline,          \
+                                            std::uint32_t, std::uint32_t, exec::BufferView<const RayState>, \
                                             exec::BufferView<PreviewPixel>);
 
 }  // namespace gvx::render::kernels

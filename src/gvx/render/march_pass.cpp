@@ -21,11 +21,11 @@ bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid gr
 
 bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
                    exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
-                   bool refine, exec::BufferView<const RayState> rays,
+                   std::uint32_t generation, exec::BufferView<const RayState> rays,
                    exec::BufferView<PreviewPixel> pixels) {
   return with_voxel_type(pass.type, [&](auto zero) {
-    return kernels::march_preview<decltype(zero)>(device, pass, grid, tiles, deadline, block, refine, rays,
-                                                  pixels);
+    return kernels::march_preview<decltype(zero)>(device, pass, grid, tiles, deadline, block, generation,
+                                                  rays, pixels);
   });
 }
 

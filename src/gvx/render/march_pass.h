@@ -37,11 +37,11 @@ bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid gr
                  exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
                  exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished);
 
-/// Draws preview pixels at multiples of `block`, except those that a block twice as large has drawn (where
-/// `refine`) and those whose exact ray is finished. The grid is that of the blocks: ceil(width / block) by
-/// ceil(height / block).
+/// Draws the preview pixels at multiples of `block` that this generation has not drawn yet and whose exact
+/// ray is not finished. The grid is that of the blocks: ceil(width / block) by ceil(height / block).
 bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
                    exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
-                   bool refine, exec::BufferView<const RayState> rays, exec::BufferView<PreviewPixel> pixels);
+                   std::uint32_t generation, exec::BufferView<const RayState> rays,
+                   exec::BufferView<PreviewPixel> pixels);
 
 }  // namespace gvx::render

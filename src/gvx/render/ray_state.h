@@ -30,6 +30,7 @@ struct PreviewPixel {
   std::uint32_t resident = 0;    ///< of these, those that had it at the level wanted
   std::uint32_t worst_lack = 0;  ///< the most levels between one wanted and the one shown
   std::uint32_t epoch = 0;       ///< of the film when it was drawn; of another: not drawn
+  std::uint32_t generation = 0;  ///< of the preview when it was drawn; of another: to be drawn again
 };
 
 }  // namespace gvx::render

@@ -40,10 +40,17 @@ std::uint64_t TreeShape::pages_before(std::uint32_t level) const {
   std::uint64_t pages = 0;
   for (std::uint32_t i = 0; i < level; ++i) {
     const Vec3i p = level_pages(i);
-    pages +=
-        static_cast<std::uint64_t>(p.x) * static_cast<std::uint64_t>(p.y) * static_cast<std::uint64_t>(p.z);
+    const std::uint64_t of_level = saturating_product(
+        saturating_product(static_cast<std::uint64_t>(p.x), static_cast<std::uint64_t>(p.y)),
+        static_cast<std::uint64_t>(p.z));
+    if (__builtin_add_overflow(pages, of_level, &pages)) return UINT64_MAX;
   }
   return pages;
+}
+
+std::string node_name(const NodeKey& key) {
+  return "node (level " + std::to_string(key.level) + ": " + std::to_string(key.x) + ", " +
+         std::to_string(key.y) + ", " + std::to_string(key.z) + ")";
 }
 
 bool TreeShape::contains(const NodeKey& key) const {

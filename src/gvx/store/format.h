@@ -1,12 +1,11 @@
 /// \file
 /// The .gvx store on disk, version 1. docs/store-format.md is the specification; these structs are its bytes.
 ///
-///     offset 0         FileHeader, 256 bytes, little-endian, written last
-///     256 ..           bricks, each (M+2)^3 voxels, x fastest, compressed on its own, in the order of their
-///     making,
-///                      and between them index pages, each 8^3 NodeRecords, compressed
-///     directory        a PageEntry for every page of every level: level 0 first, then x fastest within a
-///     level metadata         JSON: the source's name, its orientation's meaning, the histogram
+///     offset 0     FileHeader, 256 bytes, little-endian, written last
+///     256 ..       bricks, each (M+2)^3 voxels, x fastest, compressed on its own,
+///                  and between them index pages, each 8^3 NodeRecords, compressed
+///     directory    a PageEntry for every page of every level: level 0 first, then x fastest
+///     metadata     JSON: the source's name, its orientation's meaning, the histogram
 ///
 /// To sample a voxel: header -> directory entry of the node's page -> page -> NodeRecord -> brick. Each step
 /// is one range of bytes, so a store is read piecewise from a disk or by HTTP ranges.
@@ -86,6 +85,15 @@ static_assert(sizeof(PageEntry) == 16);
 /// XXH3, 64 bits; where a field has 32, its low half.
 std::uint64_t checksum(std::span<const std::byte> bytes);
 
+/// a * b, or the greatest number there is: sizes that come from files may be absurd.
+inline std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b) {
+  std::uint64_t product = 0;
+  return __builtin_mul_overflow(a, b, &product) ? UINT64_MAX : product;
+}
+
+/// "node (level 3: 1, 2, 0)".
+std::string node_name(const NodeKey& key);
+
 /// The shape of a tree over a volume: which levels, nodes and pages there are.
 struct TreeShape {
   std::uint32_t n = 2;
@@ -101,7 +109,7 @@ struct TreeShape {
   Vec3i level_nodes(std::uint32_t level) const;
   /// Index pages of a level.
   Vec3i level_pages(std::uint32_t level) const;
-  /// Index pages of all levels before this one.
+  /// Index pages of all levels before this one; the greatest number there is where they are more.
   std::uint64_t pages_before(std::uint32_t level) const;
   /// Does the node hold voxels of the volume?
   bool contains(const NodeKey& key) const;

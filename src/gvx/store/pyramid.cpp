@@ -275,13 +275,14 @@ PyramidBuilder::PyramidBuilder(const exec::Device& cpu, StoreWriter& writer, Vol
 PyramidBuilder::~PyramidBuilder() = default;
 
 std::uint64_t PyramidBuilder::window_bytes(const TreeShape& shape, VoxelType type) {
-  std::uint64_t bytes = 0;
+  double bytes = 0;
   for (std::uint32_t l = 0; l < shape.levels; ++l) {
-    const Vec3i d = shape.level_dimensions(l), pages = shape.level_pages(l);
-    bytes += static_cast<std::uint64_t>(d.x * d.y) * (shape.m + 2) * voxel_bytes(type);
-    bytes += static_cast<std::uint64_t>(pages.x * pages.y) * kPageNodes * sizeof(NodeRecord);
+    const Vec3d d(shape.level_dimensions(l)), pages(shape.level_pages(l));
+    bytes += d.x * d.y * (shape.m + 2) * static_cast<double>(voxel_bytes(type));
+    bytes += pages.x * pages.y * kPageNodes * sizeof(NodeRecord);
+    bytes += pages.x * pages.y * pages.z * sizeof(PageEntry);
   }
-  return bytes;
+  return bytes < 0x1p63 ? static_cast<std::uint64_t>(bytes) : UINT64_MAX / 2;
 }
 
 Status PyramidBuilder::push_slices(std::int64_t count, std::span<const std::byte> voxels) {

@@ -34,7 +34,8 @@ class PyramidBuilder {
   PyramidBuilder(const exec::Device& cpu, StoreWriter& writer, VolumeInfo info);
   ~PyramidBuilder();
 
-  /// The memory that the windows will take: about (m+2) slices of the finest level and a third.
+  /// The memory that the build will take: about (m+2) slices of the finest level, a third more, and the
+  /// directory.
   static std::uint64_t window_bytes(const TreeShape& shape, VoxelType type);
 
   /// The next slices, dimensions.x * dimensions.y voxels each. Voxels of type f32 must be finite.

@@ -70,6 +70,33 @@ TEST_F(HostileStore, a_made_up_header_with_a_right_checksum_does_no_harm) {
   EXPECT_LT(opened, 2500);
 }
 
+TEST_F(HostileStore, a_placement_that_no_ray_can_cross_is_an_error) {
+  for (const double scale : {0.0, 1e-200, 1e150, 1e308, -1e-9}) {
+    std::string bad = good_;
+    FileHeader header;
+    std::memcpy(&header, bad.data(), sizeof(header));
+    header.voxel_to_world[0] = scale;
+    const auto span = std::as_bytes(std::span(&header, 1));
+    header.header_checksum = checksum(span.first(offsetof(FileHeader, header_checksum)));
+    std::memcpy(bad.data(), &header, sizeof(header));
+    EXPECT_FALSE(verify_bytes(bad).ok()) << scale;
+  }
+}
+
+TEST_F(HostileStore, dimensions_whose_pages_overflow_are_an_error) {
+  std::string bad = good_;
+  FileHeader header;
+  std::memcpy(&header, bad.data(), sizeof(header));
+  for (std::uint64_t& d : header.dimensions) d = 0x7fffffff;
+  header.levels = TreeShape::covering({0x7fffffff, 0x7fffffff, 0x7fffffff}, header.n, header.m).levels;
+  const auto span = std::as_bytes(std::span(&header, 1));
+  header.header_checksum = checksum(span.first(offsetof(FileHeader, header_checksum)));
+  std::memcpy(bad.data(), &header, sizeof(header));
+  const auto report = verify_bytes(bad);
+  ASSERT_FALSE(report.ok());
+  EXPECT_NE(report.error().message.find("directory size"), std::string::npos) << report.error().message;
+}
+
 TEST_F(HostileStore, what_is_no_store_is_an_error) {
   EXPECT_FALSE(StoreReader::open("/no/such/file.gvx").ok());
   EXPECT_FALSE(StoreReader::open(testing::TempDir()).ok());

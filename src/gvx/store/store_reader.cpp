@@ -13,11 +13,6 @@ namespace {
 // needed.
 constexpr std::size_t kPagesKept = 4096;
 
-std::string key_text(const NodeKey& key) {
-  return "node (level " + std::to_string(key.level) + ": " + std::to_string(key.x) + ", " +
-         std::to_string(key.y) + ", " + std::to_string(key.z) + ")";
-}
-
 /// The message for a header field that is out of its bounds, or empty.
 std::string wrong_field(const FileHeader& header, std::uint64_t file_bytes) {
   if (header.header_bytes != sizeof(FileHeader)) return "header size";
@@ -101,8 +96,8 @@ Status StoreReader::read_header() {
   for (int c = 0; c < 3; ++c)
     info_.voxel_to_world.column[c] = {matrix[3 * c], matrix[3 * c + 1], matrix[3 * c + 2]};
   info_.voxel_to_world.origin = {matrix[9], matrix[10], matrix[11]};
-  if (determinant(info_.voxel_to_world) == 0) {
-    return Error{path_ + ": corrupt: the header's voxel-to-world matrix has no inverse"};
+  if (const Status placed = check_placement(info_.voxel_to_world); !placed.ok()) {
+    return Error{path_ + ": corrupt: " + placed.error().message};
   }
   info_.scale = header.scale;
   info_.offset = header.offset;
@@ -148,6 +143,7 @@ Result<std::shared_ptr<const IndexPage>> StoreReader::page(std::uint64_t index) 
     const std::lock_guard lock(pages_mutex_);
     if (const auto found = pages_.find(index); found != pages_.end()) return found->second;
   }
+  GVX_CHECK(index < directory_.size());
   const PageEntry& entry = directory_[index];
   if (entry.bytes > 2 * kPageNodes * sizeof(NodeRecord)) {
     return Error{path_ + ": corrupt: index page " + std::to_string(index) + " is too large"};
@@ -185,7 +181,7 @@ Result<NodeRecord> StoreReader::node(const NodeKey& key) const {
   const float least = info_.type == VoxelType::f32 ? -INFINITY : 0.0f;
   if (!(least <= record.range.minimum && record.range.minimum <= record.range.maximum &&
         record.range.maximum <= greatest)) {
-    return Error{path_ + ": corrupt: the value range of " + key_text(key) + " is impossible"};
+    return Error{path_ + ": corrupt: the value range of " + node_name(key) + " is impossible"};
   }
   return record;
 }
@@ -203,15 +199,15 @@ Status StoreReader::read_brick(const NodeKey& key, const NodeRecord& record,
     return {};
   }
   if (record.bytes > 2 * voxels.size() + 1024)
-    return Error{path_ + ": corrupt: " + key_text(key) + " is too large"};
+    return Error{path_ + ": corrupt: " + node_name(key) + " is too large"};
   thread_local std::vector<std::byte> compressed;
   compressed.resize(record.bytes);
   GVX_TRY(read_range(record.offset, compressed));
   if (static_cast<std::uint32_t>(checksum(compressed)) != record.checksum) {
-    return Error{path_ + ": corrupt: the checksum of the brick of " + key_text(key) + " does not match"};
+    return Error{path_ + ": corrupt: the checksum of the brick of " + node_name(key) + " does not match"};
   }
   if (const auto status = decompress(info_.codec, element, compressed, voxels); !status.ok()) {
-    return Error{path_ + ": corrupt: brick of " + key_text(key) + ": " + status.error().message};
+    return Error{path_ + ": corrupt: brick of " + node_name(key) + ": " + status.error().message};
   }
   return {};
 }

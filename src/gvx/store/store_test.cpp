@@ -87,7 +87,8 @@ INSTANTIATE_TEST_SUITE_P(, EveryShape,
                          testing::Values(Shape{2, 8}, Shape{2, 16}, Shape{2, 32}, Shape{3, 8}, Shape{3, 16},
                                          Shape{3, 32}),
                          [](const auto& tested) {
-                           return "N" + std::to_string(tested.param.n) + "_M" + std::to_string(tested.param.m);
+                           return "N" + std::to_string(tested.param.n) + "_M" +
+                                  std::to_string(tested.param.m);
                          });
 
 TEST_P(EveryShape, holds_every_level_of_a_u8_volume) {

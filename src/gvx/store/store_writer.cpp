@@ -6,6 +6,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "gvx/store/codec.h"
@@ -27,12 +28,22 @@ StoreWriter::~StoreWriter() {
 
 Result<std::unique_ptr<StoreWriter>> StoreWriter::create(const std::string& path, const TreeShape& shape) {
   const std::string partial = path + ".partial";
-  const int descriptor = open(partial.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (descriptor < 0) return Error{partial + ": cannot create: " + std::strerror(errno)};
-  // The lock tells a build that is running from one that was killed: the latter's remains are overwritten.
-  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+  int descriptor = -1;
+  while (true) {
+    descriptor = open(partial.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor < 0) return Error{partial + ": cannot create: " + std::strerror(errno)};
+    // The lock tells a build that is running from one that was killed: the latter's remains are overwritten.
+    if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      close(descriptor);
+      return Error{partial + ": another build is writing this file"};
+    }
+    // Another build may have finished in between, and what was opened be its store by now.
+    struct stat opened {
+    }, named{};
+    const bool same = fstat(descriptor, &opened) == 0 && stat(partial.c_str(), &named) == 0 &&
+                      opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+    if (same) break;
     close(descriptor);
-    return Error{partial + ": another build is writing this file"};
   }
   if (ftruncate(descriptor, 0) != 0) {
     const int reason = errno;

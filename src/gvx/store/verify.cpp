@@ -12,11 +12,6 @@
 namespace gvx::store {
 namespace {
 
-std::string node_name(const NodeKey& key) {
-  return "node (level " + std::to_string(key.level) + ": " + std::to_string(key.x) + ", " +
-         std::to_string(key.y) + ", " + std::to_string(key.z) + ")";
-}
-
 bool within(ValueRange inner, ValueRange outer) {
   return outer.minimum <= inner.minimum && inner.maximum <= outer.maximum;
 }
