@@ -4,7 +4,6 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 
@@ -14,32 +13,13 @@
 
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
+#include "gvx/exec/tile_grid.h"
 
 #if defined(__CUDACC__)
 #include <cuda_runtime.h>
 #endif
 
 namespace gvx::exec {
-
-/// When work that can be cut short must stop; no_deadline() never comes.
-using Deadline = std::chrono::steady_clock::time_point;
-inline Deadline no_deadline() {
-  return Deadline::max();
-}
-
-/// An image and the square tiles that it is worked on in; tiles at the right and lower edge may be cut.
-struct TileGrid {
-  std::uint32_t width = 0, height = 0;
-  std::uint32_t tile = 16;
-
-  GVX_HD std::uint32_t tiles_x() const { return (width + tile - 1) / tile; }
-  GVX_HD std::uint32_t tiles_y() const { return (height + tile - 1) / tile; }
-  GVX_HD std::uint32_t tiles() const { return tiles_x() * tiles_y(); }
-  /// The tile that holds a pixel.
-  GVX_HD std::uint32_t tile_of(std::uint32_t x, std::uint32_t y) const {
-    return y / tile * tiles_x() + x / tile;
-  }
-};
 
 #if defined(__CUDACC__)
 namespace detail {

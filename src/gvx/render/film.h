@@ -7,7 +7,7 @@
 
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
-#include "gvx/exec/for_each.h"
+#include "gvx/exec/tile_grid.h"
 #include "gvx/render/frame.h"
 #include "gvx/render/ray_state.h"
 
