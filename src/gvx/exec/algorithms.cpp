@@ -36,6 +36,7 @@ auto with_policy(const Device& device, std::size_t size, Function function) {
 
 std::uint64_t exclusive_scan(const Device& device, BufferView<const std::uint32_t> input,
                              BufferView<std::uint32_t> output) {
+  if (input.size == 0) return 0;
   return with_policy(device, input.size, [&](auto policy) {
     const auto sum = thrust::reduce(policy, input.begin(), input.end(), std::uint64_t(0));
     thrust::exclusive_scan(policy, input.begin(), input.end(), output.begin(), std::uint32_t(0));
@@ -45,6 +46,7 @@ std::uint64_t exclusive_scan(const Device& device, BufferView<const std::uint32_
 
 std::size_t stable_partition(const Device& device, BufferView<std::uint32_t> items,
                              BufferView<const std::uint32_t> flags, BufferView<std::uint32_t> scratch) {
+  if (items.size == 0) return 0;
   return with_policy(device, items.size, [&](auto policy) {
     thrust::copy(policy, items.begin(), items.end(), scratch.begin());
     const auto middle =
@@ -56,6 +58,7 @@ std::size_t stable_partition(const Device& device, BufferView<std::uint32_t> ite
 
 std::size_t find_nonzero(const Device& device, BufferView<const std::uint32_t> words,
                          BufferView<std::uint32_t> indices) {
+  if (words.size == 0) return 0;
   return with_policy(device, words.size, [&](auto policy) {
     const thrust::counting_iterator<std::uint32_t> first(0);
     const auto end = thrust::copy_if(policy, first, first + static_cast<std::ptrdiff_t>(words.size),
