@@ -115,7 +115,7 @@ Result<TestScene> file_scene(const std::string& file, std::uint32_t m) {
   options.m = m;
   GVX_ASSIGN(const auto report, io::build_store(exec::Device::cpu(), *reader, scene.store_path, options, {}));
   (void)report;
-  const auto& tree = scene.open()->description();
+  const produce::TreeDescription tree = scene.open()->description();
   const double low = tree.scale * tree.range.minimum + tree.offset,
                high = tree.scale * tree.range.maximum + tree.offset;
   const auto at = [&](double share) { return low + share * (high - low); };
