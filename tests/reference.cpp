@@ -5,7 +5,7 @@
 #include <limits>
 #include <mutex>
 
-#include <tbb/parallel_for.h>
+#include "gvx/exec/parallel.h"
 
 namespace gvx::tests {
 
@@ -56,7 +56,8 @@ ReferencePicture render_reference(const ReferenceVolume& volume, const render::V
   ReferencePicture result;
   result.picture = {view.width, view.height, std::vector<float>(std::size_t(view.width) * view.height * 4)};
   std::mutex mutex;
-  tbb::parallel_for(0u, view.height, [&](std::uint32_t y) {
+  exec::parallel_for(exec::Device::cpu(), view.height, [&](std::size_t row) {
+    const auto y = static_cast<std::uint32_t>(row);
     std::set<std::tuple<std::int64_t, std::int64_t, std::int64_t>> necessary;
     for (std::uint32_t x = 0; x < view.width; ++x) {
       const Ray world = camera.pixel_ray(x, y);

@@ -12,6 +12,8 @@ using Clock = std::chrono::steady_clock;
 
 // Tiles that a budget frame works on between two looks at what producers have finished.
 constexpr std::uint32_t kPreviewChunk = 128;
+// What a frame of too short a budget spends on rendering all the same: the small unit of work.
+constexpr std::chrono::microseconds kLeastWork(200);
 // What a frame at rest spends on showing new data coarsely before exact rays reach it.
 constexpr double kRefreshShare = 0.4;
 
@@ -227,9 +229,10 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   GVX_CHECK(film_.has_value());
   begin_frame();
   ++stamp_;
-  const exec::Deadline deadline = frame_start_ + budget;
   GVX_TRY(residency_.plant_root_brick());
   GVX_TRY(take_finished());
+  // However short the budget, each frame gets somewhere.
+  const exec::Deadline deadline = std::max(frame_start_ + budget, Clock::now() + kLeastWork);
   // A picture at rest that is drawn already is refreshed with what came since, for a part of the time; not
   // where the refresh would push out what exact rays wait for.
   const bool refreshing = preview_.complete() && data_came_ && !crowded_;

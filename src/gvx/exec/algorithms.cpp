@@ -28,8 +28,13 @@ auto with_policy(const Device& device, std::size_t size, Function function) {
 #if defined(__CUDACC__)
   if (device.kind() == DeviceKind::cuda) return function(thrust::cuda::par);
 #endif
+#if defined(__SANITIZE_THREAD__)
+  (void)size;
+  return function(thrust::seq);  // see parallel.h
+#else
   if (size < kSerialBelow || device.threads() == 1) return function(thrust::seq);
   return device.arena().execute([&] { return function(thrust::tbb::par); });
+#endif
 }
 
 }  // namespace

@@ -7,12 +7,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
+#include "gvx/exec/parallel.h"
 #include "gvx/exec/tile_grid.h"
 
 #if defined(__CUDACC__)
@@ -55,11 +52,10 @@ void for_each(const Device& device, [[maybe_unused]] const char* name, std::size
     return;
   }
 #endif
-  device.arena().execute([&] {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                        for (std::size_t i = range.begin(); i != range.end(); ++i) functor(i);
-                      });
+  constexpr std::size_t kPiece = 256;
+  parallel_for(device, (count + kPiece - 1) / kPiece, [&](std::size_t piece) {
+    const std::size_t end = (piece + 1) * kPiece < count ? (piece + 1) * kPiece : count;
+    for (std::size_t i = piece * kPiece; i != end; ++i) functor(i);
   });
 }
 
@@ -85,20 +81,18 @@ bool for_each_pixel(const Device& device, [[maybe_unused]] const char* name, Til
   }
 #endif
   std::atomic<bool> all_done{true};
-  device.arena().execute([&] {
-    tbb::parallel_for(std::size_t(0), tiles.size, [&](std::size_t t) {
-      const std::uint32_t x0 = tiles[t] % grid.tiles_x() * grid.tile,
-                          y0 = tiles[t] / grid.tiles_x() * grid.tile;
-      const std::uint32_t x1 = x0 + grid.tile < grid.width ? x0 + grid.tile : grid.width;
-      const std::uint32_t y1 = y0 + grid.tile < grid.height ? y0 + grid.tile : grid.height;
-      for (std::uint32_t y = y0; y < y1; ++y) {
-        if (late()) {
-          all_done.store(false, std::memory_order_relaxed);
-          return;
-        }
-        for (std::uint32_t x = x0; x < x1; ++x) functor(x, y);
+  parallel_for(device, tiles.size, [&](std::size_t t) {
+    const std::uint32_t x0 = tiles[t] % grid.tiles_x() * grid.tile,
+                        y0 = tiles[t] / grid.tiles_x() * grid.tile;
+    const std::uint32_t x1 = x0 + grid.tile < grid.width ? x0 + grid.tile : grid.width;
+    const std::uint32_t y1 = y0 + grid.tile < grid.height ? y0 + grid.tile : grid.height;
+    for (std::uint32_t y = y0; y < y1; ++y) {
+      if (late()) {
+        all_done.store(false, std::memory_order_relaxed);
+        return;
       }
-    });
+      for (std::uint32_t x = x0; x < x1; ++x) functor(x, y);
+    }
   });
   return all_done.load();
 }

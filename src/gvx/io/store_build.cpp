@@ -9,9 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
+#include "gvx/exec/parallel.h"
 #include "gvx/store/pyramid.h"
 #include "gvx/store/store_writer.h"
 
@@ -135,16 +133,14 @@ std::uint64_t convert(const exec::Device& cpu, SampleType from, const Conversion
   const std::size_t count = samples.size() / sample_bytes(from);
   voxels.resize(count * voxel_bytes(conversion.type));
   std::atomic<std::uint64_t> not_finite{0};
-  cpu.arena().execute([&] {
-    tbb::parallel_for(std::size_t(0), (count + kPiece - 1) / kPiece, [&](std::size_t piece) {
-      const std::size_t first = piece * kPiece, pieces = std::min(kPiece, count - first);
-      const auto part = samples.subspan(first * sample_bytes(from), pieces * sample_bytes(from));
-      with_sample_type(from, [&](auto sample) {
-        with_voxel_type(conversion.type, [&](auto voxel) {
-          using Voxel = decltype(voxel);
-          not_finite += convert_samples<decltype(sample)>(part, conversion,
-                                                          reinterpret_cast<Voxel*>(voxels.data()) + first);
-        });
+  exec::parallel_for(cpu, (count + kPiece - 1) / kPiece, [&](std::size_t piece) {
+    const std::size_t first = piece * kPiece, pieces = std::min(kPiece, count - first);
+    const auto part = samples.subspan(first * sample_bytes(from), pieces * sample_bytes(from));
+    with_sample_type(from, [&](auto sample) {
+      with_voxel_type(conversion.type, [&](auto voxel) {
+        using Voxel = decltype(voxel);
+        not_finite += convert_samples<decltype(sample)>(part, conversion,
+                                                        reinterpret_cast<Voxel*>(voxels.data()) + first);
       });
     });
   });

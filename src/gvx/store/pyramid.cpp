@@ -7,9 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
+#include "gvx/exec/parallel.h"
 #include "gvx/store/codec.h"
 
 namespace gvx::store {
@@ -88,7 +86,8 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
 
   template <typename Function>
   void parallel(std::int64_t count, Function function) {
-    device.arena().execute([&] { tbb::parallel_for(std::int64_t(0), count, function); });
+    exec::parallel_for(device, static_cast<std::size_t>(count),
+                       [&](std::size_t i) { function(static_cast<std::int64_t>(i)); });
   }
 
   Status push(std::int64_t count, std::span<const std::byte> voxels) override {

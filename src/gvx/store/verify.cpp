@@ -4,9 +4,7 @@
 #include <mutex>
 #include <vector>
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
+#include "gvx/exec/parallel.h"
 #include "gvx/store/store_reader.h"
 
 namespace gvx::store {
@@ -66,25 +64,23 @@ Result<VerifyReport> verify(const exec::Device& cpu, const std::string& path,
   std::mutex mutex;
   for (std::uint32_t l = 0; l < shape.levels && status.ok(); ++l) {
     const Vec3i nodes = shape.level_nodes(l);
-    cpu.arena().execute([&] {
-      tbb::parallel_for(std::int64_t(0), nodes.y * nodes.z, [&](std::int64_t row) {
-        std::vector<std::byte> voxels(shape.brick_voxels() * voxel_bytes(reader->info().type));
-        VerifyReport of_row;
-        Status row_status;
-        for (std::int64_t x = 0; x < nodes.x && row_status.ok(); ++x) {
-          row_status =
-              check_node(*reader,
-                         {l, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(row % nodes.y),
-                          static_cast<std::uint32_t>(row / nodes.y)},
-                         voxels, of_row);
-        }
-        const std::lock_guard lock(mutex);
-        if (!row_status.ok() && status.ok()) status = row_status;
-        report.nodes += of_row.nodes;
-        report.bricks += of_row.bricks;
-        report.constant_nodes += of_row.constant_nodes;
-        if (progress) progress(report.nodes, all);
-      });
+    exec::parallel_for(cpu, static_cast<std::size_t>(nodes.y * nodes.z), [&](std::size_t index) {
+      const auto row = static_cast<std::int64_t>(index);
+      std::vector<std::byte> voxels(shape.brick_voxels() * voxel_bytes(reader->info().type));
+      VerifyReport of_row;
+      Status row_status;
+      for (std::int64_t x = 0; x < nodes.x && row_status.ok(); ++x) {
+        row_status = check_node(*reader,
+                                {l, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(row % nodes.y),
+                                 static_cast<std::uint32_t>(row / nodes.y)},
+                                voxels, of_row);
+      }
+      const std::lock_guard lock(mutex);
+      if (!row_status.ok() && status.ok()) status = row_status;
+      report.nodes += of_row.nodes;
+      report.bricks += of_row.bricks;
+      report.constant_nodes += of_row.constant_nodes;
+      if (progress) progress(report.nodes, all);
     });
   }
   GVX_TRY(status);
