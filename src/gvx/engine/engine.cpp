@@ -94,6 +94,7 @@ Status Engine::look(const render::View& view) {
   unfinished_tiles_.resize(film_->grid().tiles());
   std::iota(unfinished_tiles_.begin(), unfinished_tiles_.end(), 0u);
   window_ = unfinished_tiles_.size();
+  exact_cursor_ = 0;
   eviction_ = Eviction::unused;
   stuck_passes_ = 0;
   crowded_ = false;
@@ -119,19 +120,33 @@ render::Pass Engine::pass() {
   return pass;
 }
 
-/// Marches the unfinished tiles of the window and strikes out those that are finished.
+/// Marches the unfinished tiles of the window and strikes out those that are finished. A pass that the
+/// deadline cuts off goes on where it was cut, so that every tile has its turn.
 void Engine::exact_pass(exec::Deadline deadline) {
   ++statistics_.passes;
-  const std::size_t tiles = std::min(window_, unfinished_tiles_.size());
-  std::copy_n(unfinished_tiles_.begin(), tiles, tile_list_.view().begin());
-  for (std::size_t i = 0; i < tiles; ++i) tile_flags_.view()[unfinished_tiles_[i]] = 0;
-  const bool whole = render::march_exact(device_, pass(), film_->grid(), {tile_list_.view().data, tiles},
-                                         deadline, film_->rays(), tile_flags_.view());
-  if (!whole) return;  // some flags were not set; the tiles stay listed, finished rays cost little
-  const auto first = unfinished_tiles_.begin(), last = first + static_cast<std::ptrdiff_t>(tiles);
-  const auto kept =
-      std::remove_if(first, last, [&](std::uint32_t tile) { return tile_flags_.view()[tile] == 0; });
-  unfinished_tiles_.erase(kept, last);
+  const bool timed = deadline != exec::no_deadline();
+  const std::size_t chunk =
+      timed ? 4 * static_cast<std::size_t>(device_.threads()) + 4 : unfinished_tiles_.size();
+  std::size_t end = std::min(window_, unfinished_tiles_.size());
+  if (exact_cursor_ >= end || !timed) exact_cursor_ = 0;
+  while (exact_cursor_ < end) {
+    const std::size_t count = std::min(chunk, end - exact_cursor_);
+    const auto first = unfinished_tiles_.begin() + static_cast<std::ptrdiff_t>(exact_cursor_);
+    const auto last = first + static_cast<std::ptrdiff_t>(count);
+    std::copy(first, last, tile_list_.view().begin());
+    for (auto tile = first; tile != last; ++tile) tile_flags_.view()[*tile] = 0;
+    if (!render::march_exact(device_, pass(), film_->grid(), {tile_list_.view().data, count}, deadline,
+                             film_->rays(), tile_flags_.view())) {
+      return;  // some flags were not set; finished rays cost little the next time
+    }
+    const auto kept =
+        std::remove_if(first, last, [&](std::uint32_t tile) { return tile_flags_.view()[tile] == 0; });
+    const auto struck = static_cast<std::size_t>(last - kept);
+    unfinished_tiles_.erase(kept, last);
+    exact_cursor_ += count - struck;
+    end -= struck;
+  }
+  exact_cursor_ = 0;
 }
 
 /// What rays lack, as far as there is room for it. Where they want more than that, fewer of them run at a

@@ -87,7 +87,8 @@ class Engine {
   std::optional<render::Film> film_;
   std::vector<std::uint32_t> unfinished_tiles_;
   exec::Buffer<std::uint32_t> tile_list_, tile_flags_;
-  std::size_t window_ = 0;  // of unfinished tiles, how many run at a time
+  std::size_t window_ = 0;        // of unfinished tiles, how many run at a time
+  std::size_t exact_cursor_ = 0;  // in unfinished_tiles_: where a pass that was cut off goes on
   Eviction eviction_ = Eviction::unused;
   bool crowded_ = false;  // rays wanted more than there was room for
   int stuck_passes_ = 0;  // in which no ray of a lone screen tile came further

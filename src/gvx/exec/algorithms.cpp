@@ -24,12 +24,12 @@ struct IsNonzero {
 
 /// Calls function(policy) with the execution policy that fits device and size.
 template <typename Function>
-auto with_policy(const Device& device, std::size_t size, Function function) {
+auto with_policy([[maybe_unused]] const Device& device, [[maybe_unused]] std::size_t size,
+                 Function function) {
 #if defined(__CUDACC__)
   if (device.kind() == DeviceKind::cuda) return function(thrust::cuda::par);
 #endif
 #if defined(__SANITIZE_THREAD__)
-  (void)size;
   return function(thrust::seq);  // see parallel.h
 #else
   if (size < kSerialBelow || device.threads() == 1) return function(thrust::seq);
