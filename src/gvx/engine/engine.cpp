@@ -14,6 +14,10 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t kPreviewChunk = 128;
 // What a frame of too short a budget spends on rendering all the same: the small unit of work.
 constexpr std::chrono::microseconds kLeastWork(200);
+// The finest of a preview's stages that are drawn again while data comes in, and in how many frames of a
+// view.
+constexpr std::uint32_t kCoarseBlock = 8;
+constexpr int kMostRestarts = 60;
 // What a frame at rest spends on showing new data coarsely before exact rays reach it.
 constexpr double kRefreshShare = 0.4;
 
@@ -99,6 +103,7 @@ Status Engine::look(const render::View& view) {
   stuck_passes_ = 0;
   crowded_ = false;
   preview_at_rest_ = false;
+  restarts_ = 0;
   begin_preview(render::Film::kLargestBlock);
   return {};
 }
@@ -231,11 +236,25 @@ bool Engine::preview_chunk(exec::Deadline deadline) {
   return true;
 }
 
-/// Draws preview stages until the deadline or until the picture is drawn in single pixels. The coarsest stage
-/// of a view's first preview is the small unit of work that is done in any case: a frame always shows
-/// something.
+/// Draws the coarse stages, and draws them again while data comes in: early in a frame better data shows more
+/// than finer pixels do. The coarsest stage is the small unit of work that is done in any case: a frame
+/// always shows something.
+Status Engine::coarse_preview(exec::Deadline settled, exec::Deadline deadline) {
+  while (preview_.block >= kCoarseBlock) {
+    const std::uint32_t block = preview_.block;
+    const bool in_any_case = block == render::Film::kLargestBlock;
+    while (preview_.block == block) {
+      if (!preview_chunk(in_any_case ? exec::no_deadline() : deadline)) return {};
+    }
+    queue_.replace(collect());
+    GVX_TRY(take_finished());
+    if (data_came_ && Clock::now() < settled) begin_preview(render::Film::kLargestBlock);
+  }
+  return {};
+}
+
+/// Draws preview stages until the deadline or until the picture is drawn in single pixels.
 void Engine::preview_pass(exec::Deadline deadline) {
-  while (preview_.block == render::Film::kLargestBlock) preview_chunk(exec::no_deadline());
   while (!preview_.complete() && Clock::now() < deadline && preview_chunk(deadline)) {
   }
 }
@@ -252,9 +271,14 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   // where the refresh would push out what exact rays wait for.
   const bool refreshing = preview_.complete() && data_came_ && !crowded_;
   if (refreshing) begin_preview(1);
+  // One that is not drawn yet begins again with the data that came, though not for ever.
+  if (!preview_at_rest_ && !refreshing && data_came_ && restarts_++ < kMostRestarts) {
+    begin_preview(render::Film::kLargestBlock);
+  }
   preview_at_rest_ = preview_at_rest_ || refreshing;
   const auto refresh_deadline =
       frame_start_ + std::chrono::duration_cast<std::chrono::nanoseconds>(budget * kRefreshShare);
+  GVX_TRY(coarse_preview(refresh_deadline, deadline));
   do {
     preview_pass(preview_at_rest_ ? refresh_deadline : deadline);  // render
     if (preview_.complete()) preview_at_rest_ = true;

@@ -71,6 +71,7 @@ class Engine {
   void exact_pass(exec::Deadline deadline);
   void begin_preview(std::uint32_t first_block);
   bool preview_chunk(exec::Deadline deadline);
+  Status coarse_preview(exec::Deadline settled, exec::Deadline deadline);
   void preview_pass(exec::Deadline deadline);
   std::vector<produce::Job> collect();
   Status check_progress();
@@ -96,6 +97,7 @@ class Engine {
   std::uint32_t stamp_ = 0;
   PreviewProgress preview_;
   bool data_came_ = false;        // since the preview was begun
+  int restarts_ = 0;              // of this view's preview
   bool preview_at_rest_ = false;  // this view was drawn in single pixels once: exact rays run
   std::chrono::steady_clock::time_point frame_start_;
   Statistics statistics_;

@@ -47,13 +47,14 @@ Picture Film::develop(Vec3f background, bool opaque_background) const {
       if (ray.epoch != epoch_ || ray.phase != RayPhase::finished) {
         color = {};
         opacity = 0;
+        std::uint32_t newest = 0;
         for (std::uint32_t block = 1; block <= kLargestBlock; block *= 2) {
           const PreviewPixel& p =
               preview_.view()[std::size_t(y / block * block) * width_ + x / block * block];
-          if (p.epoch != epoch_) continue;
+          if (p.epoch != epoch_ || p.generation <= newest) continue;
+          newest = p.generation;
           color = p.color;
           opacity = p.opacity;
-          break;
         }
       }
       if (opaque_background) {

@@ -49,7 +49,8 @@ class Film {
   /// What rays and preview pixels of this picture carry; others count as not there.
   std::uint32_t epoch() const { return epoch_; }
 
-  /// Finished rays as they are; the rest as the nearest preview pixel to the upper left; else nothing.
+  /// Finished rays as they are; the rest as a preview pixel whose block they are in, of the newest
+  /// generation and then of the finest block; else nothing.
   Picture develop(Vec3f background, bool opaque_background) const;
 
   FilmTotals totals() const;

@@ -7,8 +7,8 @@ namespace {
 
 TEST(Film, shows_finished_rays_then_the_finest_preview_then_the_background) {
   Film film(exec::Device::cpu(), 5, 3);
-  film.preview()[0] = {{0.25f, 0, 0}, 0.5f, 3, 2, 1, 1};  // stands for the whole block
-  film.preview()[2] = {{0, 0.5f, 0}, 0.5f, 1, 1, 0, 1};   // of block 2: pixels (2..3, 0..1)
+  film.preview()[0] = {{0.25f, 0, 0}, 0.5f, 3, 2, 1, 1, 1};  // stands for the whole block
+  film.preview()[2] = {{0, 0.5f, 0}, 0.5f, 1, 1, 0, 1, 1};   // of block 2: pixels (2..3, 0..1)
   film.rays()[3] = {7, {0, 0, 1}, 1, RayPhase::finished, 11, 1};
   const Picture picture = film.develop({0, 0, 0.5f}, true);
   const auto pixel = [&](int x, int y) {
@@ -25,6 +25,8 @@ TEST(Film, shows_finished_rays_then_the_finest_preview_then_the_background) {
   EXPECT_EQ(totals.wanted, 4u);
   EXPECT_EQ(totals.resident, 3u);
   EXPECT_EQ(totals.worst_lack, 1u);
+  film.preview()[0].generation = 2;  // newer data, if in a larger block
+  EXPECT_EQ(film.develop({0, 0, 0.5f}, true).rgba[4 * (5 * 1 + 2)], 0.25f);
   film.clear();
   EXPECT_EQ(film.totals().unfinished, 15u);
   EXPECT_EQ(film.develop({0, 0, 0.5f}, true).rgba[4 * 3 + 2], 0.5f);
