@@ -18,6 +18,9 @@ constexpr std::chrono::microseconds kLeastWork(200);
 // view.
 constexpr std::uint32_t kCoarseBlock = 8;
 constexpr int kMostRestarts = 60;
+// A view that was drawn in blocks of this many pixels is at rest: exact rays begin, which cost no more than
+// finer blocks.
+constexpr std::uint32_t kRestBlock = 4;
 // What a frame at rest spends on showing new data coarsely before exact rays reach it.
 constexpr double kRefreshShare = 0.4;
 
@@ -281,7 +284,7 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   GVX_TRY(coarse_preview(refresh_deadline, deadline));
   do {
     preview_pass(preview_at_rest_ ? refresh_deadline : deadline);  // render
-    if (preview_.complete()) preview_at_rest_ = true;
+    if (preview_.block < kRestBlock) preview_at_rest_ = true;
     if (preview_at_rest_) exact_pass(deadline);
     queue_.replace(collect());  // collect
     while (!unfinished_tiles_.empty() && !queue_.idle() && Clock::now() < deadline) {

@@ -98,7 +98,7 @@ class Engine {
   PreviewProgress preview_;
   bool data_came_ = false;        // since the preview was begun
   int restarts_ = 0;              // of this view's preview
-  bool preview_at_rest_ = false;  // this view was drawn in single pixels once: exact rays run
+  bool preview_at_rest_ = false;  // this view was drawn finely enough once: exact rays run
   std::chrono::steady_clock::time_point frame_start_;
   Statistics statistics_;
 };
