@@ -24,9 +24,8 @@ constexpr std::uint32_t kRestBlock = 4;
 // What a frame at rest spends on showing new data coarsely before exact rays reach it.
 constexpr double kRefreshShare = 0.4;
 
-// Passes in which no ray of the first screen tile came further that are taken for hopeless: descending to a
-// brick takes one a level, and pools that hold the paths of a tile's 256 rays, as those of PoolSizes::fitting
-// do, are never in need of more.
+// Passes in which no ray of the first screen tile came further that are taken for hopeless. Descending to a
+// brick takes a pass a level, 33 at the most; the rest is patience for rays that push out each other's paths.
 constexpr int kMostStuckPasses = 2000;
 
 // Production threads beside a GPU, whose own host thread mostly waits.

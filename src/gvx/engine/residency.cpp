@@ -279,7 +279,7 @@ void Residency::check_invariants() const {
     tree::NodeInfo info;
     GVX_CHECK(producer_.describe(std::span(&key, 1), std::span(&info, 1)).ok());
     GVX_CHECK(nodes_.range(node) == info.range || nodes_.range(node).constant());
-    GVX_CHECK(!content.bits || content.kind() != tree::ContentKind::constant || info.range.constant() ||
+    GVX_CHECK(content.kind() != tree::ContentKind::constant || info.range.constant() ||
               key.level == producer_.description().max_level);
   }
 }
