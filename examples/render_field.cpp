@@ -40,8 +40,10 @@ int main(int argc, char** argv) {
   gvx::render::View view;
   view.width = view.height = 400;
   view.camera = gvx::scene::frame_box(tree.extent, tree.tree_to_world, false, 1);
-  view.function = {
-      {{-0.3, {0.1, 0.5, 0.7}}, {0.3, {1, 0.7, 0.3}}}, {{-0.3, 0}, {-0.1, 0.8}, {0.1, 0.8}, {0.3, 0}}, 0};
+  view.functions = {{{{-0.3, {0.1, 0.5, 0.7}}, {0.3, {1, 0.7, 0.3}}},
+                     {{-0.3, 0}, {-0.1, 0.8}, {0.1, 0.8}, {0.3, 0}},
+                     0,
+                     {}}};
   if (const auto status = engine.value()->look(view); !status.ok()) {
     return std::fprintf(stderr, "%s\n", status.error().message.c_str()), 1;
   }

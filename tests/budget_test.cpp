@@ -106,7 +106,7 @@ TEST(Sponge, is_shown_from_one_brick_at_any_depth) {
   const auto engine = engine::Engine::create(exec::Device::cpu(), sponge, {}).value();
   render::View view;
   view.width = view.height = 96;
-  view.function = scene::preset("solid", {0, 255, {}}).value();
+  view.functions = {scene::preset("solid", {0, 255, {}}).value()};
   for (const double distance : {2.0, 1e-2, 1e-5}) {
     // Down the middle of a corner edge, which is solid at every depth.
     view.camera = {Vec3d(-1, -1.3, 1.1) * distance, {0, 0, 0}, {0, 0, 1}, 40, 0};
@@ -129,7 +129,7 @@ TEST(Sponge, is_the_same_seen_from_a_third_of_the_way) {
   const auto engine = engine::Engine::create(exec::Device::cpu(), sponge, {}).value();
   render::View view;
   view.width = view.height = 96;
-  view.function = scene::preset("solid", {0, 255, {}}).value();
+  view.functions = {scene::preset("solid", {0, 255, {}}).value()};
   view.camera = {{-1.5, -2, 1.7}, {0.1, 0.1, 0.1}, {0, 0, 1}, 12, 0};
   ASSERT_TRUE(engine->look(view).ok());
   ASSERT_TRUE(engine->render_exact().ok());

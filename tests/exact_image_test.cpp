@@ -52,8 +52,8 @@ TEST(Exact, equals_the_reference_in_every_way_to_look) {
   variant("orthographic", [](auto& v) { v.camera.height_world = 90; });
   variant("clipped", [](auto& v) { v.clip = {{0.1, 0.45, 0.2}, {0.9, 1.2, 0.77}}; });
   variant("from within", [](auto& v) { v.camera.eye = v.camera.target + Vec3d(2, 3, 4); });
-  variant("opaque surface", [](auto& v) { v.function.opacities = {{0.42, 0}, {0.55, 0.9}}; });
-  variant("in world units of opacity", [](auto& v) { v.function.unit_distance = 5; });
+  variant("opaque surface", [](auto& v) { v.functions[0].opacities = {{0.42, 0}, {0.55, 0.9}}; });
+  variant("in world units of opacity", [](auto& v) { v.functions[0].unit_distance = 5; });
   variant("along an axis", [](auto& v) { v.camera.eye = v.camera.target + Vec3d(0, -200, 0); });
 }
 
@@ -93,7 +93,7 @@ TEST(Exact, brick_size_and_arity_leave_no_trace) {
 std::vector<engine::EngineOptions> pools() {
   std::vector<engine::EngineOptions> options = {{1ull << 30, {}}, {32ull << 20, {}}};
   for (const engine::PoolSizes sizes :
-       {engine::PoolSizes{4096, 60}, engine::PoolSizes{400, 20}, engine::PoolSizes{150, 2}}) {
+       {engine::PoolSizes{4096, 60}, engine::PoolSizes{400, 20}, engine::PoolSizes{150, 6}}) {
     options.push_back({0, sizes});
   }
   return options;
@@ -121,6 +121,15 @@ TEST(Exact, is_the_same_bits_for_every_cache_and_every_number_of_threads) {
   }
 }
 
+TEST(Exact, needs_no_more_than_two_bricks) {
+  // A ray in the cone's blend of two levels needs a brick and its parent's at once.
+  TestScene scene = analytic_scene("two", waves, {60, 50, 40}, {1, 1, 1}, 2, 8);
+  scene.view.width = 24;
+  scene.view.height = 18;
+  const render::Picture picture = render_exact(scene, exec::Device::cpu(), {0, engine::PoolSizes{40, 2}});
+  EXPECT_EQ(picture.rgba, render_exact(scene).rgba);
+}
+
 TEST(Exact, loads_little_more_than_rays_need) {
   TestScene scene = analytic_scene("need", ball, {120, 120, 120}, {1, 1, 1}, 2, 8);
   scene.view.level_of_detail = false;
@@ -138,7 +147,7 @@ TEST(Exact, a_change_of_function_reloads_nothing) {
   const auto engine = engine::Engine::create(exec::Device::cpu(), scene.open(), {}).value();
   const render::View narrow = [&] {
     render::View v = scene.view;
-    v.function.opacities = {{0.6, 0}, {0.8, 0.3}};
+    v.functions[0].opacities = {{0.6, 0}, {0.8, 0.3}};
     return v;
   }();
   ASSERT_TRUE(engine->look(scene.view).ok());
@@ -177,7 +186,7 @@ TEST(Exact, flat_means_of_a_sparse_volume_hide_nothing) {
         return on(p.x) && on(p.y) && on(p.z) ? 1.0 : 0.0;
       },
       {64, 64, 64}, {1, 1, 1}, 2, 8);
-  scene.view.function.opacities = {{0, 0}, {1, 0.9}};
+  scene.view.functions[0].opacities = {{0, 0}, {1, 0.9}};
   const render::Picture cold = render_exact(scene);
   const auto engine = engine::Engine::create(exec::Device::cpu(), scene.open(), {}).value();
   render::View far = scene.view;

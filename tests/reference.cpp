@@ -48,10 +48,11 @@ ReferencePicture render_reference(const ReferenceVolume& volume, const render::V
   const double spacing =
       std::min({length(place.column[0]), length(place.column[1]), length(place.column[2])});
   const double step = spacing / samples_per_voxel;
-  const double unit = view.function.unit_distance > 0 ? view.function.unit_distance : spacing;
+  const double unit = view.functions[0].unit_distance > 0 ? view.functions[0].unit_distance : spacing;
   const Vec3d size(volume.dimensions);
   const Box3d box = intersect({view.clip.minimum * size, view.clip.maximum * size}, {{0, 0, 0}, size});
-  const Vec3d to_light = scene::direction_to_light(camera.forward, camera.right, camera.up);
+  const scene::LightingView lighting =
+      scene::place_lights(view.lighting, camera.forward, camera.right, camera.up);
 
   ReferencePicture result;
   result.picture = {view.width, view.height, std::vector<float>(std::size_t(view.width) * view.height * 4)};
@@ -69,17 +70,19 @@ ReferencePicture render_reference(const ReferenceVolume& volume, const render::V
            t += step) {
         const Vec3d p = ray.at(t);
         const double value = volume.value(p);
-        const double opacity = view.function.opacity(value);
+        const double opacity = view.functions[0].opacity(value);
         if (opacity <= 0) continue;
         necessary.emplace(static_cast<std::int64_t>(p.x) / m, static_cast<std::int64_t>(p.y) / m,
                           static_cast<std::int64_t>(p.z) / m);
         const double step_opacity = 1 - std::pow(1 - opacity, step / unit);
-        Vec3d sample = view.function.color(value);
+        Vec3d sample = view.functions[0].color(value);
         if (view.lighting.enabled) {
           const Vec3d g = volume.gradient(p);
           const double steep = length(g);
-          sample = scene::shade<double>(view.lighting, sample, world_to_voxel.transposed_vector(g),
-                                        steep / (steep + soft_gradient), -world.direction, to_light);
+          const scene::Shade<double> shade =
+              lighting.shade<double>(world_to_voxel.transposed_vector(g), steep / (steep + soft_gradient),
+                                     -world.direction, world.at(t));
+          sample = sample * shade.body + shade.glint;
         }
         color = color + left * step_opacity * sample;
         left *= 1 - step_opacity;

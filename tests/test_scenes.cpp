@@ -27,7 +27,7 @@ render::View framed_view(const ReferenceVolume& volume, const scene::TransferFun
   render::View view;
   view.width = 160;
   view.height = 120;
-  view.function = function;
+  view.functions = {function};
   view.camera =
       scene::frame_box({{0, 0, 0}, Vec3d(volume.dimensions)}, volume.voxel_to_world, false, 4.0 / 3);
   view.background = {0.1f, 0.2f, 0.3f};
@@ -66,14 +66,14 @@ TestScene analytic_scene(const std::string& name, const std::function<double(Vec
   scene.store_path = testing::TempDir() + "gvx_scene_" + name + ".gvx";
   store::VolumeInfo info;
   info.shape = store::TreeShape::covering(dimensions, n, m);
-  info.type = VoxelType::f32;
+  info.format.type = VoxelType::f32;
   info.voxel_to_world = scene.volume.voxel_to_world;
   const auto writer = store::StoreWriter::create(scene.store_path, info.shape).value();
   store::PyramidBuilder pyramid(exec::Device::cpu(), *writer, info);
   GVX_CHECK(pyramid.push_slices(dimensions.z, std::as_bytes(std::span(*voxels))).ok());
   GVX_CHECK(pyramid.finish().ok());
   scene.view = framed_view(scene.volume, soft_function());
-  scene.soft_gradient = soft_gradient_of(scene.view.function);
+  scene.soft_gradient = soft_gradient_of(scene.view.functions[0]);
   return scene;
 }
 
@@ -116,14 +116,14 @@ Result<TestScene> file_scene(const std::string& file, std::uint32_t m) {
   GVX_ASSIGN(const auto report, io::build_store(exec::Device::cpu(), *reader, scene.store_path, options, {}));
   (void)report;
   const produce::TreeDescription tree = scene.open()->description();
-  const double low = tree.scale * tree.range.minimum + tree.offset,
-               high = tree.scale * tree.range.maximum + tree.offset;
+  const double low = tree.scale * tree.ranges.channel[0].minimum + tree.offset,
+               high = tree.scale * tree.ranges.channel[0].maximum + tree.offset;
   const auto at = [&](double share) { return low + share * (high - low); };
   scene.view = framed_view(scene.volume,
                            {{{at(0.1), {0.6, 0.3, 0.2}}, {at(0.4), {0.9, 0.8, 0.6}}, {at(0.9), {1, 1, 1}}},
                             {{at(0.15), 0}, {at(0.3), 0.1}, {at(0.6), 0.6}},
                             0});
-  scene.soft_gradient = soft_gradient_of(scene.view.function);
+  scene.soft_gradient = soft_gradient_of(scene.view.functions[0]);
   return scene;
 }
 

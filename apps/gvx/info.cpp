@@ -42,9 +42,11 @@ Result<nlohmann::json> describe_store(const std::string& path) {
   nlohmann::json j = describe_place(info.shape.dimensions, info.voxel_to_world, info.anatomical);
   std::error_code error;
   j["format"] = "gvx store, version " + std::to_string(store::kVersion);
-  j["type"] = voxel_name(info.type);
-  j["value_range"] = {info.scale * info.range.minimum + info.offset,
-                      info.scale * info.range.maximum + info.offset};
+  j["type"] = voxel_name(info.format.type);
+  j["content"] = content_name(info.format.content);
+  j["planes"] = info.format.planes;
+  j["value_range"] = {info.scale * info.ranges.channel[0].minimum + info.offset,
+                      info.scale * info.ranges.channel[0].maximum + info.offset};
   j["scale"] = info.scale;
   j["offset"] = info.offset;
   j["n"] = info.shape.n;

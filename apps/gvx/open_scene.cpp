@@ -76,14 +76,11 @@ Result<bool> is_store(const std::string& path) {
   return magic == store::kMagic || path.ends_with(".gvx");
 }
 
-scene::ValueStatistics value_statistics(const produce::TreeDescription& tree) {
-  scene::ValueStatistics statistics{tree.scale * tree.range.minimum + tree.offset,
-                                    tree.scale * tree.range.maximum + tree.offset, tree.histogram};
-  if (statistics.minimum > statistics.maximum) {
-    std::swap(statistics.minimum, statistics.maximum);
-    std::reverse(statistics.histogram.begin(), statistics.histogram.end());
-  }
-  return statistics;
+scene::ValueStatistics value_statistics(const produce::TreeDescription& tree, std::size_t channel) {
+  return scene::physical_statistics(
+      tree.ranges.channel[channel],
+      channel < tree.histograms.size() ? tree.histograms[channel] : std::vector<std::uint64_t>{}, tree.scale,
+      tree.offset);
 }
 
 Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw) {
@@ -96,7 +93,7 @@ Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const
     GVX_ASSIGN(reader, build_nameless_store(cpu, name, raw));
   }
   auto producer = std::make_shared<produce::StoreProducer>(std::move(reader));
-  const std::string preset = scene::suggest_preset(value_statistics(producer->description()));
+  const std::string preset = scene::suggest_preset(value_statistics(producer->description(), 0));
   return Scene{std::move(producer), preset};
 }
 

@@ -29,7 +29,7 @@ struct Scene {
 Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw);
 
 /// What a transfer function can fit itself to.
-scene::ValueStatistics value_statistics(const produce::TreeDescription& tree);
+scene::ValueStatistics value_statistics(const produce::TreeDescription& tree, std::size_t channel);
 
 /// Says a raw file's shape: --dims, --dtype, --endian, --offset, --spacing.
 class RawFlags {

@@ -35,7 +35,7 @@ Result<scene::TransferFunction> open_function(const Options& o, const Scene& sce
   const auto names = scene::preset_names();
   const bool is_preset = std::find(names.begin(), names.end(), name) != names.end();
   if (!is_preset && std::filesystem::exists(name)) return io::read_transfer_function(name);
-  auto function = scene::preset(name, value_statistics(scene.producer->description()));
+  auto function = scene::preset(name, value_statistics(scene.producer->description(), 0));
   if (!function.ok()) return Error{"--tf: no file and " + function.error().message};
   return function;
 }
@@ -45,7 +45,8 @@ Result<render::View> make_view(const Options& o, const Scene& scene) {
   GVX_ASSIGN(const Size size, parse_size(o.size));
   view.width = size.width;
   view.height = size.height;
-  GVX_ASSIGN(view.function, open_function(o, scene));
+  GVX_ASSIGN(auto function, open_function(o, scene));
+  view.functions = {std::move(function)};
   const produce::TreeDescription& tree = scene.producer->description();
   view.camera =
       scene::frame_box(tree.extent, tree.tree_to_world, tree.anatomical, double(size.width) / size.height);

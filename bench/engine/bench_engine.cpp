@@ -86,11 +86,11 @@ std::size_t necessary_bricks(const char* path, const render::View& view) {
       const NodeKey node{info.shape.levels - 1, static_cast<std::uint32_t>(std::get<0>(key)),
                          static_cast<std::uint32_t>(std::get<1>(key)),
                          static_cast<std::uint32_t>(std::get<2>(key))};
-      std::vector<std::byte> bytes(info.shape.brick_voxels() * voxel_bytes(info.type));
+      std::vector<std::byte> bytes(info.brick_bytes());
       GVX_CHECK(reader->read_brick(node, reader->node(node).value(), bytes).ok());
-      with_voxel_type(info.type, [&](auto v) {
-        for (std::size_t i = 0; i < bytes.size(); i += sizeof(v)) {
-          std::memcpy(&v, &bytes[i], sizeof(v));
+      with_voxel_type(info.format.type, [&](auto v) {
+        for (std::size_t i = 0; i < plane_texels(info.shape.m); ++i) {
+          std::memcpy(&v, &bytes[i * sizeof(v)], sizeof(v));
           voxels.push_back(static_cast<float>(info.scale * double(v) + info.offset));
         }
       });
@@ -136,7 +136,7 @@ std::size_t necessary_bricks(const char* path, const render::View& view) {
           }
           value += w * voxels[static_cast<std::size_t>(at[0] + edge * (at[1] + edge * at[2]))];
         }
-        const double opacity = view.function.opacity(value);
+        const double opacity = view.functions[0].opacity(value);
         if (opacity <= 0) continue;
         necessary.insert(key);
         left *= std::pow(1 - opacity, step / spacing);
@@ -216,9 +216,9 @@ int main(int argc, char** argv) {
   const double budget_ms = argc > 4 ? std::atof(argv[4]) : 33;
   view.camera =
       scene::frame_box(tree.extent, tree.tree_to_world, tree.anatomical, double(view.width) / view.height);
-  const scene::ValueStatistics statistics{tree.scale * tree.range.minimum + tree.offset,
-                                          tree.scale * tree.range.maximum + tree.offset, tree.histogram};
-  view.function = scene::preset(scene::suggest_preset(statistics), statistics).value();
+  const scene::ValueStatistics statistics =
+      scene::physical_statistics(tree.ranges.channel[0], tree.histograms[0], tree.scale, tree.offset);
+  view.functions = {scene::preset(scene::suggest_preset(statistics), statistics).value()};
   const nlohmann::json result = {{"store", path},
                                  {"exact", bench_exact(path, view)},
                                  {"need", bench_need(path, view)},

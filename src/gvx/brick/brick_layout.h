@@ -1,6 +1,6 @@
 /// \file
-/// BrickLayout: M^3 voxels and a border of one voxel on every side, x fastest. Trilinear samples and central
-/// differences of half a voxel therefore never leave the brick.
+/// BrickLayout: a plane of a brick is M^3 numbers and a border of one on every side, x fastest. Trilinear
+/// samples and central differences of half a voxel therefore never leave the brick.
 ///
 ///     texel     0    1    2   ...   M   M+1
 ///             [bord][v 0][v 1] ... [vM-1][bord]
@@ -11,6 +11,7 @@
 #include <cstdint>
 
 #include "gvx/core/macros.h"
+#include "gvx/core/voxel.h"
 
 namespace gvx::brick {
 
@@ -18,7 +19,7 @@ template <int M>
 struct BrickLayout {
   static constexpr int kVoxels = M;
   static constexpr int kEdge = M + 2;
-  static constexpr std::size_t kTexels = std::size_t(kEdge) * kEdge * kEdge;
+  static constexpr std::size_t kTexels = plane_texels(M);
 
   /// The texel's place in the brick; coordinates from 0 to M+1.
   GVX_HD static constexpr int offset(int x, int y, int z) { return x + kEdge * (y + kEdge * z); }

@@ -15,13 +15,28 @@
 
 namespace gvx::brick {
 
-/// What kernels sample; Voxel is the pool's voxel type.
+/// A brick as kernels see it (core/voxel.h draws its layout).
+template <typename Voxel, int M>
+struct BrickView {
+  const Voxel* voxels = nullptr;
+  std::uint32_t planes = 1;
+
+  GVX_HD const Voxel* plane(std::uint32_t index) const { return voxels + index * BrickLayout<M>::kTexels; }
+  /// The deviations of a plane, where the format has them.
+  GVX_HD const std::uint8_t* deviations(std::uint32_t index) const {
+    return reinterpret_cast<const std::uint8_t*>(plane(planes)) + index * deviation_bytes(M);
+  }
+};
+
+/// What kernels find bricks in; Voxel is the pool's voxel type.
 template <typename Voxel, int M>
 struct BrickPoolView {
-  const Voxel* voxels = nullptr;
+  const std::byte* bytes = nullptr;
+  std::size_t brick_bytes = 0;
+  std::uint32_t planes = 1;
 
-  GVX_HD const Voxel* brick(BrickIndex index) const {
-    return voxels + std::size_t(index.value) * BrickLayout<M>::kTexels;
+  GVX_HD BrickView<Voxel, M> brick(BrickIndex index) const {
+    return {reinterpret_cast<const Voxel*>(bytes + index.value * brick_bytes), planes};
   }
 };
 
@@ -30,15 +45,10 @@ class BrickPool {
   /// `slots` bricks of `brick_bytes` each.
   BrickPool(const exec::Device& device, std::size_t brick_bytes, std::uint32_t slots);
 
-  template <typename Voxel, int M>
-  BrickPoolView<Voxel, M> view() const {
-    GVX_CHECK(brick_bytes_ == BrickLayout<M>::kTexels * sizeof(Voxel));
-    return {reinterpret_cast<const Voxel*>(bytes_.view().data)};
-  }
   cache::UsageList& usage() { return usage_; }
   const cache::UsageList& usage() const { return usage_; }
   /// All slots, as bytes.
-  const void* voxels() const { return bytes_.view().data; }
+  const std::byte* bytes() const { return bytes_.view().data; }
   std::uint32_t slots() const { return usage_.slots(); }
   std::size_t brick_bytes() const { return brick_bytes_; }
 

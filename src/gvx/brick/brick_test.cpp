@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <random>
 #include <vector>
 
@@ -60,17 +62,50 @@ TYPED_TEST(Sample, stays_inside_the_brick_whatever_the_position) {
   }
 }
 
-TEST(BrickPool, keeps_bricks_apart) {
-  BrickPool pool(exec::Device::cpu(), BrickLayout<8>::kTexels * 2, 3);
-  std::vector<std::uint16_t> voxels(BrickLayout<8>::kTexels);
-  for (std::uint32_t slot = 0; slot < 3; ++slot) {
-    std::fill(voxels.begin(), voxels.end(), static_cast<std::uint16_t>(100 + slot));
-    pool.write(BrickIndex(slot), std::as_bytes(std::span(voxels)));
+TEST(SampleOfOnePlane, deviations_are_unit_times_code_squared_and_continuous) {
+  std::vector<std::uint8_t> bytes(deviation_bytes(8));
+  const float unit = 0.5f;
+  std::memcpy(bytes.data(), &unit, sizeof(unit));
+  for (std::size_t i = sizeof(unit); i < bytes.size(); ++i) bytes[i] = i % 6 < 3 ? 10 : 20;
+  EXPECT_EQ(deviation<8>(bytes.data(), {1, 1, 1}), 0.5f * (bytes[4 + 1 + 6 * (1 + 6)] == 10 ? 100.0f : 400.0f));
+  float before = deviation<8>(bytes.data(), {0, 3, 3});
+  for (float x = 0; x <= 8; x += 0.01f) {
+    const float now = deviation<8>(bytes.data(), {x, 3, 3});
+    ASSERT_NEAR(now, before, 2);
+    before = now;
   }
-  const auto view = pool.view<std::uint16_t, 8>();
+  std::fill(bytes.begin(), bytes.end(), std::uint8_t(0));
+  EXPECT_EQ(deviation<8>(bytes.data(), {1, 1, 1}), 0.0f);
+}
+
+TEST(SampleOfOnePlane, nearest_is_the_texel_that_the_position_is_in) {
+  for (const float x : {0.0f, 0.3f, 0.99f, 1.0f, 7.99f}) {
+    EXPECT_EQ(nearest_offset<8>({x, 2.5f, 0}), (BrickLayout<8>::offset(1 + static_cast<int>(x), 3, 1)));
+  }
+  EXPECT_EQ(nearest_offset<8>({-1, 8, 1e30f}), (BrickLayout<8>::offset(1, 8, 8)));
+}
+
+TEST(BrickPool, keeps_bricks_and_their_planes_apart) {
+  constexpr std::size_t kTexels = BrickLayout<8>::kTexels;
+  const VoxelFormat format{VoxelType::u16, VoxelContent::scalar, 2};
+  BrickPool pool(exec::Device::cpu(), brick_bytes(format, 8), 3);
+  std::vector<std::byte> bytes(pool.brick_bytes());
   for (std::uint32_t slot = 0; slot < 3; ++slot) {
-    EXPECT_EQ(view.brick(BrickIndex(slot))[0], 100 + slot);
-    EXPECT_EQ(view.brick(BrickIndex(slot))[BrickLayout<8>::kTexels - 1], 100 + slot);
+    std::fill(bytes.begin(), bytes.end(), std::byte(slot));
+    auto* voxels = reinterpret_cast<std::uint16_t*>(bytes.data());
+    std::fill(voxels, voxels + kTexels, static_cast<std::uint16_t>(100 + slot));
+    std::fill(voxels + kTexels, voxels + 2 * kTexels, static_cast<std::uint16_t>(200 + slot));
+    pool.write(BrickIndex(slot), bytes);
+  }
+  const BrickPoolView<std::uint16_t, 8> view{pool.bytes(), pool.brick_bytes(), format.planes};
+  for (std::uint32_t slot = 0; slot < 3; ++slot) {
+    const auto brick = view.brick(BrickIndex(slot));
+    EXPECT_EQ(brick.plane(0)[0], 100 + slot);
+    EXPECT_EQ(brick.plane(0)[kTexels - 1], 100 + slot);
+    EXPECT_EQ(brick.plane(1)[kTexels - 1], 200 + slot);
+    EXPECT_EQ(brick.deviations(0)[0], slot);
+    EXPECT_EQ(brick.deviations(1) + deviation_bytes(8),
+              reinterpret_cast<const std::uint8_t*>(brick.voxels) + pool.brick_bytes());
   }
 }
 

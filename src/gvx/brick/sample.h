@@ -1,7 +1,10 @@
 /// \file
-/// Sampling of one brick: trilinear values and their gradient. Positions are in voxels from the brick's low
-/// corner, 0 to M; a position outside that by rounding is held at the border.
+/// Sampling of one plane of a brick: trilinear values, their gradient, their deviation, the nearest value.
+/// Positions are in voxels from the brick's low corner, 0 to M; a position outside that by rounding is held
+/// at the border.
 #pragma once
+
+#include <cstdint>
 
 #include "gvx/brick/brick_layout.h"
 #include "gvx/core/vec.h"
@@ -56,6 +59,35 @@ GVX_HD inline Vec3f gradient(const Voxel* voxels, Vec3f position) {
               trilinear<M>(voxels, x, TexelAxis<M>(position.y - 0.5f), z),
           trilinear<M>(voxels, x, y, TexelAxis<M>(position.z + 0.5f)) -
               trilinear<M>(voxels, x, y, TexelAxis<M>(position.z - 0.5f))};
+}
+
+/// The standard deviation of the finest voxels that a position's value stands for, trilinear at half the
+/// resolution. `deviations` are those of the plane (core/voxel.h).
+template <int M>
+GVX_HD inline float deviation(const std::uint8_t* deviations, Vec3f position) {
+  constexpr int kHalf = M / 2, kRow = BrickLayout<kHalf>::kEdge, kSlice = kRow * kRow;
+  const float unit = *reinterpret_cast<const float*>(deviations);
+  if (!(unit > 0.0f)) return 0.0f;
+  const TexelAxis<kHalf> x(0.5f * position.x), y(0.5f * position.y), z(0.5f * position.z);
+  const std::uint8_t* codes = deviations + sizeof(float) + BrickLayout<kHalf>::offset(x.low, y.low, z.low);
+  const auto along_x = [&](int offset) {
+    const float a = codes[offset], b = codes[offset + 1];
+    return a * a + x.weight * (b * b - a * a);
+  };
+  const float c00 = along_x(0), c10 = along_x(kRow), c01 = along_x(kSlice), c11 = along_x(kSlice + kRow);
+  const float c0 = c00 + y.weight * (c10 - c00), c1 = c01 + y.weight * (c11 - c01);
+  return unit * (c0 + z.weight * (c1 - c0));
+}
+
+/// The texel that a position, 0 to M, is in: its place in a plane.
+template <int M>
+GVX_HD inline int nearest_offset(Vec3f position) {
+  const auto texel = [](float p) {
+    const float held = p > 0.0f ? (p < float(M) ? p : float(M)) : 0.0f;
+    const int t = static_cast<int>(held);
+    return 1 + (t < M ? t : M - 1);
+  };
+  return BrickLayout<M>::offset(texel(position.x), texel(position.y), texel(position.z));
 }
 
 }  // namespace gvx::brick

@@ -1,5 +1,16 @@
 /// \file
-/// The voxel types that stores and brick pools hold, and the value range of a set of voxels.
+/// What voxels are: their type, what their planes mean, the value ranges of a set of them, and the bytes of a
+/// brick of them.
+///
+/// A voxel is one or more numbers of one type; each stands in a *plane* of its own. A brick in memory and,
+/// before it is compressed, in a store:
+///
+///     plane 0: (m+2)^3 numbers, x fastest | plane 1 ... | deviations of plane 0 | deviations of plane 1 ...
+///
+/// *Deviations* (of scalars only) say how far the finest voxels below a coarse one are from their mean: the
+/// standard deviation, at half the resolution, with a border of one. They are 0 in the finest bricks.
+///
+///     float unit | (m/2+2)^3 bytes c, x fastest; the deviation is unit * c^2
 #pragma once
 
 #include <cstddef>
@@ -46,6 +57,95 @@ struct ValueRange {
     maximum = other.maximum > maximum ? other.maximum : maximum;
   }
   constexpr bool operator==(const ValueRange&) const = default;
+};
+
+/// What the planes of a voxel mean. The numbers are those of the .gvx file.
+enum class VoxelContent : std::uint32_t {
+  scalar = 0,       ///< one to four channels, each with a transfer function of its own
+  labels = 1,       ///< one number that names a class: never averaged, never blended
+  color = 2,        ///< display red, green, blue, multiplied by the opacity; opacity of a voxel's thickness
+  color_normal = 3  ///< as color, and a unit normal multiplied by the opacity; -1 to 1 are 0 to 254
+};
+
+/// The most channels of a scalar volume.
+inline constexpr std::uint32_t kMaxChannels = 4;
+
+struct VoxelFormat {
+  VoxelType type = VoxelType::u8;
+  VoxelContent content = VoxelContent::scalar;
+  std::uint32_t planes = 1;
+
+  /// How many value ranges tell what can be seen of a node: one a channel, else one.
+  GVX_HD std::uint32_t channels() const { return content == VoxelContent::scalar ? planes : 1; }
+  GVX_HD bool has_deviations() const { return content == VoxelContent::scalar; }
+  /// Is it a combination that stores and renderers know?
+  bool valid() const {
+    switch (content) {
+      case VoxelContent::scalar:
+        return planes >= 1 && planes <= kMaxChannels;
+      case VoxelContent::labels:
+        return planes == 1 && type != VoxelType::f32;
+      case VoxelContent::color:
+        return planes == 4 && type == VoxelType::u8;
+      case VoxelContent::color_normal:
+        return planes == 7 && type == VoxelType::u8;
+    }
+    return false;
+  }
+  constexpr bool operator==(const VoxelFormat&) const = default;
+};
+
+inline const char* content_name(VoxelContent content) {
+  constexpr const char* kNames[] = {"scalar", "labels", "color", "color+normal"};
+  return kNames[static_cast<std::uint32_t>(content)];
+}
+
+/// Numbers of one plane of a brick, with its border.
+GVX_HD constexpr std::size_t plane_texels(std::size_t m) {
+  return (m + 2) * (m + 2) * (m + 2);
+}
+/// Bytes of the deviations of one plane.
+GVX_HD constexpr std::size_t deviation_bytes(std::size_t m) {
+  return sizeof(float) + (m / 2 + 2) * (m / 2 + 2) * (m / 2 + 2);
+}
+/// Bytes of a brick.
+inline std::size_t brick_bytes(VoxelFormat format, std::size_t m) {
+  return format.planes *
+         (plane_texels(m) * voxel_bytes(format.type) + (format.has_deviations() ? deviation_bytes(m) : 0));
+}
+
+/// The ranges of a node's channels; those of channels that are not there are 0 to 0.
+struct ChannelRanges {
+  ValueRange channel[kMaxChannels];
+
+  ChannelRanges() = default;
+  /// Of a single channel.
+  GVX_HD ChannelRanges(ValueRange range) { channel[0] = range; }  // NOLINT(google-explicit-constructor)
+
+  GVX_HD bool constant() const {
+    bool all = true;
+    for (const ValueRange& range : channel) all = all && range.constant();
+    return all;
+  }
+  GVX_HD void include(const ChannelRanges& other) {
+    for (std::uint32_t c = 0; c < kMaxChannels; ++c) channel[c].include(other.channel[c]);
+  }
+  GVX_HD bool contains(const ChannelRanges& other) const {
+    bool all = true;
+    for (std::uint32_t c = 0; c < kMaxChannels; ++c) {
+      all = all && channel[c].minimum <= other.channel[c].minimum &&
+            other.channel[c].maximum <= channel[c].maximum;
+    }
+    return all;
+  }
+  /// Each channel at its minimum: of a constant node, its values.
+  GVX_HD ChannelRanges at_minimum() const {
+    ChannelRanges result;
+    for (std::uint32_t c = 0; c < kMaxChannels; ++c)
+      result.channel[c] = {channel[c].minimum, channel[c].minimum};
+    return result;
+  }
+  constexpr bool operator==(const ChannelRanges&) const = default;
 };
 
 }  // namespace gvx

@@ -24,9 +24,10 @@ constexpr std::uint32_t kRestBlock = 4;
 // What a frame at rest spends on showing new data coarsely before exact rays reach it.
 constexpr double kRefreshShare = 0.4;
 
-// Passes in which no ray of the first screen tile came further that are taken for hopeless. Descending to a
-// brick takes a pass a level, 33 at the most; the rest is patience for rays that push out each other's paths.
-constexpr int kMostStuckPasses = 2000;
+// Passes in which no ray of the first screen tile came further, beside those that it takes to descend to a brick, one a
+// level: before one ray runs alone, and before it is taken for hopeless.
+constexpr int kPatience = 4;
+constexpr int kMostStuckPasses = 300;
 
 // Production threads beside a GPU, whose own host thread mostly waits.
 constexpr int kCudaProducers = 8;
@@ -35,10 +36,12 @@ render::TreePlacement placement_of(const produce::TreeDescription& tree) {
   return {static_cast<int>(tree.n),
           static_cast<int>(tree.m),
           static_cast<int>(tree.max_level),
+          tree.format,
           tree.tree_to_world,
           tree.extent,
           tree.scale,
-          tree.offset};
+          tree.offset,
+          tree.ranges};
 }
 
 Status check(const produce::TreeDescription& tree) {
@@ -79,10 +82,12 @@ Status Engine::look(const render::View& view) {
   if (view_ && *view_ == view) return {};
   GVX_ASSIGN(auto frame, render::Frame::make(device_, view, placement_of(producer_->description()),
                                              frame_ ? &*frame_ : nullptr));
-  const bool new_function = !view_ || !(view_->function == view.function);
-  if (!view_ || view_->width != view.width || view_->height != view.height) {
+  const bool sees_otherwise = !view_ || !(view_->functions == view.functions) || view_->mode != view.mode ||
+                              view_->isovalue != view.isovalue;
+  if (!view_ || view_->width != view.width || view_->height != view.height ||
+      view_->antialias != view.antialias) {
     try {
-      render::Film film(device_, view.width, view.height);
+      render::Film film(device_, view.width * view.antialias, view.height * view.antialias);
       const std::uint32_t tiles = film.grid().tiles();
       exec::Buffer<std::uint32_t> list(device_, std::max(tiles, kPreviewChunk)), flags(device_, tiles);
       film_ = std::move(film);
@@ -95,7 +100,7 @@ Status Engine::look(const render::View& view) {
   }
   frame_ = std::move(frame);
   view_ = view;
-  residency_.set_function(frame_->view().function, new_function);
+  residency_.set_visibility(frame_->view().visibility, sees_otherwise);
   film_->clear();
   unfinished_tiles_.resize(film_->grid().tiles());
   std::iota(unfinished_tiles_.begin(), unfinished_tiles_.end(), 0u);
@@ -103,6 +108,7 @@ Status Engine::look(const render::View& view) {
   exact_cursor_ = 0;
   eviction_ = Eviction::unused;
   stuck_passes_ = 0;
+  lone_ray_ = render::Pass::kAllRays;
   crowded_ = false;
   preview_at_rest_ = false;
   restarts_ = 0;
@@ -113,16 +119,16 @@ Status Engine::look(const render::View& view) {
 render::Pass Engine::pass() {
   const produce::TreeDescription& tree = producer_->description();
   render::Pass pass;
-  pass.type = tree.type;
   pass.n = tree.n;
   pass.m = tree.m;
   pass.frame = frame_->view();
   pass.nodes = residency_.nodes().view();
-  pass.voxels = residency_.bricks().voxels();
+  pass.bricks = residency_.bricks().bytes();
   pass.tile_usage = residency_.tile_usage();
   pass.brick_usage = residency_.brick_usage();
   pass.requests = residency_.requests();
   pass.number = stamp_;
+  pass.lone_ray = lone_ray_;
   pass.epoch = film_->epoch();
   return pass;
 }
@@ -191,27 +197,38 @@ Status Engine::render_exact() {
   return {};
 }
 
-/// An error where the first unfinished tile's rays have stood still for long: the pools do not hold what they
-/// need.
+/// Looks how far the first unfinished tile's rays have come. Where they stand still, one of them runs alone: memory
+/// may hold what it needs, though not what two do. An error where that does not help for long.
 Status Engine::check_progress() {
   std::int64_t progress = -static_cast<std::int64_t>(unfinished_tiles_.size());
+  std::uint64_t first_unfinished = render::Pass::kAllRays;
   if (!unfinished_tiles_.empty()) {
     const exec::TileGrid grid = film_->grid();
     const std::uint32_t x0 = unfinished_tiles_[0] % grid.tiles_x() * grid.tile;
     const std::uint32_t y0 = unfinished_tiles_[0] / grid.tiles_x() * grid.tile;
     for (std::uint32_t y = y0; y < std::min(y0 + grid.tile, grid.height); ++y) {
       for (std::uint32_t x = x0; x < std::min(x0 + grid.tile, grid.width); ++x) {
-        const render::RayState& ray = film_->rays()[std::size_t(y) * grid.width + x];
+        const std::size_t index = std::size_t(y) * grid.width + x;
+        const render::RayState& ray = film_->rays()[index];
         progress += ray.tick + static_cast<std::int64_t>(ray.phase);
+        if (ray.phase != render::RayPhase::finished && first_unfinished == render::Pass::kAllRays) {
+          first_unfinished = index;
+        }
       }
     }
   }
   stuck_passes_ = progress == progress_ ? stuck_passes_ + 1 : 0;
   progress_ = progress;
-  if (stuck_passes_ <= kMostStuckPasses) return {};
+  const bool came_on = lone_ray_ != render::Pass::kAllRays && lone_ray_ == first_unfinished;
+  const int descent = static_cast<int>(producer_->description().max_level) + 1;
+  if (stuck_passes_ >= descent + kPatience || came_on) {
+    lone_ray_ = first_unfinished;
+  } else {
+    lone_ray_ = render::Pass::kAllRays;
+  }
+  if (stuck_passes_ <= descent + kMostStuckPasses) return {};
   return Error{"memory: " + std::to_string(residency_.nodes().tiles()) + " node tiles and " +
-               std::to_string(residency_.bricks().slots()) +
-               " bricks do not hold what one screen tile needs"};
+               std::to_string(residency_.bricks().slots()) + " bricks do not hold what one ray needs"};
 }
 
 void Engine::begin_preview(std::uint32_t first_block) {
@@ -222,7 +239,8 @@ void Engine::begin_preview(std::uint32_t first_block) {
 /// Draws the next few tiles of the preview; returns false where the deadline cut them off.
 bool Engine::preview_chunk(exec::Deadline deadline) {
   const std::uint32_t block = preview_.block;
-  const exec::TileGrid grid{(view_->width + block - 1) / block, (view_->height + block - 1) / block, 8};
+  const exec::TileGrid rays = film_->grid();
+  const exec::TileGrid grid{(rays.width + block - 1) / block, (rays.height + block - 1) / block, 8};
   const std::uint32_t count = std::min(kPreviewChunk, grid.tiles() - preview_.tile);
   std::iota(tile_list_.view().begin(), tile_list_.view().begin() + count, preview_.tile);
   ++statistics_.passes;
@@ -336,7 +354,7 @@ Statistics Engine::statistics() const {
 
 render::Picture Engine::picture() const {
   GVX_CHECK(film_.has_value());
-  return film_->develop(view_->background, view_->opaque_background);
+  return film_->develop(view_->antialias, view_->background, view_->opaque_background);
 }
 
 }  // namespace gvx::engine

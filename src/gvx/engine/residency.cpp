@@ -28,7 +28,7 @@ Result<PoolSizes> PoolSizes::fitting(std::uint64_t memory_bytes, const produce::
 
 Residency::Residency(const exec::Device& device, const produce::Producer& producer, PoolSizes sizes)
     : producer_(producer),
-      nodes_(device, producer.description().n, sizes.tiles),
+      nodes_(device, producer.description().n, sizes.tiles, producer.description().format.channels()),
       bricks_(device, producer.description().brick_bytes(), sizes.bricks),
       marks_(device, nodes_.nodes()),
       tile_occupied_(sizes.tiles),
@@ -38,7 +38,7 @@ Status Residency::plant_root() {
   const NodeKey root;
   tree::NodeInfo info;
   GVX_TRY(producer_.describe(std::span(&root, 1), std::span(&info, 1)));
-  nodes_.reset_node(tree::NodePool::root(), info, is_transparent(info.range));
+  nodes_.reset_node(tree::NodePool::root(), info, is_transparent(info.ranges));
   unused_tiles_ = nodes_.usage().givable();
   unused_bricks_ = bricks_.usage().givable();
   return {};
@@ -58,14 +58,14 @@ Status Residency::plant_root_brick() {
   return {};
 }
 
-void Residency::set_function(const scene::TransferView& function, bool another) {
-  function_ = function;
+void Residency::set_visibility(const scene::Visibility& visibility, bool another) {
+  visibility_ = visibility;
   if (!another) return;
-  nodes_.reclassify([&](ValueRange range) { return is_transparent(range); });
+  nodes_.reclassify([&](const ChannelRanges& ranges) { return is_transparent(ranges); });
 }
 
-bool Residency::is_transparent(ValueRange range) const {
-  return function_.opaque_before != nullptr && function_.transparent(range);
+bool Residency::is_transparent(const ChannelRanges& ranges) const {
+  return visibility_ && visibility_->hides(ranges);
 }
 
 NodeKey Residency::key_of(NodeIndex node) const {
@@ -178,8 +178,8 @@ void Residency::fill_tile(TileIndex tile, const Produced& made) {
   for (std::uint32_t i = 0; i < nodes_.nodes_per_tile(); ++i) {
     const NodeIndex node = nodes_.node_of(tile, i);
     const tree::NodeInfo& info = made.children[i];
-    nodes_.reset_node(node, info, is_transparent(info.range));
-    if (info.range.constant()) continue;
+    nodes_.reset_node(node, info, is_transparent(info.ranges));
+    if (info.ranges.constant()) continue;
     link(node, {made.child_keys[i], JobKind::brick});
     if (!info.terminal) link(node, {made.child_keys[i], JobKind::children});
   }
@@ -226,7 +226,7 @@ Result<CommitCounts> Residency::commit(std::vector<Produced> made, Eviction evic
       const TileIndex tile = nodes_.tile_of(node);
       if ((tile.value != 0 && !tile_occupied_[tile.value]) || key_of(node) != p.job.key) continue;
       if (p.constant) {
-        nodes_.set_constant(node, *p.constant, is_transparent({*p.constant, *p.constant}));
+        nodes_.set_constant(node, *p.constant, is_transparent(*p.constant));
       } else {
         link(node, p.job);
       }
@@ -274,12 +274,12 @@ void Residency::check_invariants() const {
       const auto found = brick_of_.find(key);
       GVX_CHECK(found != brick_of_.end() && found->second == content.brick());
     }
-    if (content.kind() == tree::ContentKind::constant) GVX_CHECK(nodes_.range(node).constant());
-    GVX_CHECK(child_word.transparent() == is_transparent(nodes_.range(node)));
+    if (content.kind() == tree::ContentKind::constant) GVX_CHECK(nodes_.ranges(node).constant());
+    GVX_CHECK(child_word.transparent() == is_transparent(nodes_.ranges(node)));
     tree::NodeInfo info;
     GVX_CHECK(producer_.describe(std::span(&key, 1), std::span(&info, 1)).ok());
-    GVX_CHECK(nodes_.range(node) == info.range || nodes_.range(node).constant());
-    GVX_CHECK(content.kind() != tree::ContentKind::constant || info.range.constant() ||
+    GVX_CHECK(nodes_.ranges(node) == info.ranges || nodes_.ranges(node).constant());
+    GVX_CHECK(content.kind() != tree::ContentKind::constant || info.ranges.constant() ||
               key.level == producer_.description().max_level);
   }
 }

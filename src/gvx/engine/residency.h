@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -13,7 +14,7 @@
 #include "gvx/exec/device.h"
 #include "gvx/produce/producer.h"
 #include "gvx/produce/production_queue.h"
-#include "gvx/scene/transfer_function.h"
+#include "gvx/scene/visibility.h"
 #include "gvx/tree/node_pool.h"
 
 namespace gvx::engine {
@@ -51,9 +52,9 @@ class Residency {
   /// Makes the root's brick where a preview would have nothing else to show.
   Status plant_root_brick();
 
-  /// The function that says which nodes are transparent; it must live until the next call. Where it is
-  /// another than before, and not only at another address, the resident nodes are reclassified.
-  void set_function(const scene::TransferView& function, bool another);
+  /// What says which nodes are transparent; its tables must live until the next call. Where it is another
+  /// than before, and not only at another address, the resident nodes are reclassified.
+  void set_visibility(const scene::Visibility& visibility, bool another);
 
   const tree::NodePool& nodes() const { return nodes_; }
   const brick::BrickPool& bricks() const { return bricks_; }
@@ -86,7 +87,7 @@ class Residency {
   };
 
   NodeKey key_of(NodeIndex node) const;
-  bool is_transparent(ValueRange range) const;
+  bool is_transparent(const ChannelRanges& ranges) const;
   void link(NodeIndex node, const produce::Job& job);
   std::size_t room_for_tiles(Eviction eviction) const;
   std::size_t room_for_bricks(Eviction eviction) const;
@@ -98,7 +99,7 @@ class Residency {
   tree::NodePool nodes_;
   brick::BrickPool bricks_;
   cache::RequestMarks marks_;
-  scene::TransferView function_;
+  std::optional<scene::Visibility> visibility_;
   std::unordered_map<NodeKey, TileIndex, NodeKeyHash> tile_of_;    // canonical parent -> its children's tile
   std::unordered_map<NodeKey, BrickIndex, NodeKeyHash> brick_of_;  // canonical node -> its brick
   std::vector<bool> tile_occupied_;

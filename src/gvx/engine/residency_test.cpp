@@ -84,14 +84,18 @@ TEST_P(RandomWalk, keeps_every_invariant) {
   const auto random = [&](std::uint32_t below) { return static_cast<std::uint32_t>(generator()) % below; };
 
   std::vector<scene::TransferTable> tables;
-  const std::vector<double> steps = {1.0};
+  const auto seen_by = [&](std::uint32_t table) {
+    scene::Visibility visibility;
+    visibility.functions[0] = tables[table].view();
+    return visibility;
+  };
   for (const double from : {0.0, 0.35, 0.9}) {
-    tables.push_back(scene::bake({{{0, {1, 1, 1}}}, {{from, 0}, {1, 1}}, 0}, 1, 0, steps));
+    tables.push_back(scene::bake({{{0, {1, 1, 1}}}, {{from, 0}, {1, 1}}, 0, {}}, 1, 0, 16));
   }
   std::vector<Produced> late;  // made, but committed in a later pass
   std::uint64_t committed = 0, linked = 0;
   for (std::uint32_t pass = 1; pass <= 400; ++pass) {
-    if (random(25) == 0) residency.set_function(tables[random(3)].view(), true);
+    if (random(25) == 0) residency.set_visibility(seen_by(random(3)), true);
     // Rays: walks from the root that stamp what they use and mark what they lack.
     for (int ray = 0; ray < 12; ++ray) {
       NodeIndex node = tree::NodePool::root();
@@ -171,10 +175,10 @@ TEST(Residency, an_error_of_a_producer_is_returned_and_the_rest_committed) {
 TEST(PoolSizes, fit_the_memory_and_the_tree) {
   produce::TreeDescription tree;
   tree.m = 16;
-  tree.type = VoxelType::u8;
+  tree.format.type = VoxelType::u8;
   tree.bricks = 1000000;
   const PoolSizes sizes = PoolSizes::fitting(64ull << 20, tree).value();
-  EXPECT_EQ(sizes.bricks, (64u << 20) / (18 * 18 * 18));
+  EXPECT_EQ(sizes.bricks, (64u << 20) / (18 * 18 * 18 + 4 + 10 * 10 * 10));
   tree.bricks = 10;
   EXPECT_EQ(PoolSizes::fitting(64ull << 20, tree).value().bricks, 11u);
   EXPECT_FALSE(PoolSizes::fitting(10000, tree).ok());

@@ -164,7 +164,7 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, VolumeReader& read
   const VolumeDescription& d = reader.description();
   store::VolumeInfo info;
   info.shape = store::TreeShape::covering(d.dimensions, options.n, options.m);
-  info.type = options.type.value_or(natural_type(d.type));
+  info.format.type = options.type.value_or(natural_type(d.type));
   info.codec = options.codec;
   info.voxel_to_world = d.voxel_to_world;
   info.anatomical = d.anatomical;
@@ -174,8 +174,8 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, VolumeReader& read
   const std::uint64_t batch =
       std::clamp<std::uint64_t>(kBatchBytes / slice, 1, static_cast<std::uint64_t>(d.dimensions.z));
   const std::uint64_t buffers =
-      3 + voxel_bytes(info.type) / sample_bytes(d.type);  // read, read ahead, converted
-  const std::uint64_t needed = store::PyramidBuilder::window_bytes(info.shape, info.type) +
+      3 + voxel_bytes(info.format.type) / sample_bytes(d.type);  // read, read ahead, converted
+  const std::uint64_t needed = store::PyramidBuilder::window_bytes(info.shape, info.format) +
                                std::min(store::saturating_product(batch * buffers, slice), UINT64_MAX / 2);
   if (needed > options.memory_bytes) {
     return Error{d.path + ": building needs " + mebibytes(needed) + " of memory for slices of " +
@@ -185,7 +185,7 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, VolumeReader& read
   }
 
   Conversion conversion;
-  const auto lossless = lossless_conversion(d.type, info.type);
+  const auto lossless = lossless_conversion(d.type, info.format.type);
   const std::uint64_t all = volume_bytes(d) * (lossless ? 1 : 2);
   std::uint64_t done = 0;
   const auto report_progress = [&](std::size_t bytes) {
@@ -207,15 +207,16 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, VolumeReader& read
     }
     GVX_TRY(reader.rewind());
     if (!(range.minimum <= range.maximum)) range = {0, 0};
-    const double steps = info.type == VoxelType::u8 ? 255 : 65535;
-    conversion = {info.type, range.minimum,
+    const double steps = info.format.type == VoxelType::u8 ? 255 : 65535;
+    conversion = {info.format.type, range.minimum,
                   range.maximum > range.minimum ? (range.maximum - range.minimum) / steps : 1};
   }
   info.scale = d.scale * conversion.unit;
   info.offset = d.offset + d.scale * conversion.bias;
 
   StoreBuildReport report;
-  report.rounded = info.type == VoxelType::f32 && sample_bytes(d.type) >= 4 && d.type != SampleType::f32;
+  report.rounded =
+      info.format.type == VoxelType::f32 && sample_bytes(d.type) >= 4 && d.type != SampleType::f32;
   GVX_ASSIGN(const auto writer, store::StoreWriter::create(path, info.shape));
   store::PyramidBuilder pyramid(cpu, *writer, info);
   BatchReader batches(reader, static_cast<std::int64_t>(batch));

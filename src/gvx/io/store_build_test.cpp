@@ -47,10 +47,10 @@ double physical(const store::StoreReader& reader, int i) {
   const std::uint32_t x = static_cast<std::uint32_t>(i % 20), y = static_cast<std::uint32_t>(i / 20 % 10),
                       z = static_cast<std::uint32_t>(i / 200);
   const NodeKey key{info.shape.levels - 1, x / m, y / m, z / m};
-  std::vector<std::byte> brick(info.shape.brick_voxels() * voxel_bytes(info.type));
+  std::vector<std::byte> brick(info.brick_bytes());
   GVX_CHECK(reader.read_brick(key, reader.node(key).value(), brick).ok());
   const std::size_t texel = (x % m + 1) + (m + 2) * ((y % m + 1) + (m + 2) * std::size_t(z % m + 1));
-  return with_voxel_type(info.type, [&](auto v) {
+  return with_voxel_type(info.format.type, [&](auto v) {
     std::memcpy(&v, &brick[texel * sizeof(v)], sizeof(v));
     return info.scale * static_cast<double>(v) + info.offset;
   });
@@ -62,7 +62,7 @@ void expect_exact(const std::string& type, VoxelType stored, Function value) {
   options.m = 8;
   const auto reader = build(write_raw<Sample>(type, value), options);
   ASSERT_TRUE(reader.ok()) << reader.error().message;
-  EXPECT_EQ(reader.value()->info().type, stored);
+  EXPECT_EQ(reader.value()->info().format.type, stored);
   for (int i = 0; i < 1400; i += 13) {
     ASSERT_EQ(physical(*reader.value(), i), static_cast<double>(static_cast<Sample>(value(i))))
         << type << ' ' << i;
@@ -86,8 +86,8 @@ TEST(StoreBuild, quantises_to_a_narrower_type_over_the_whole_range) {
   StoreBuildOptions options;
   options.type = VoxelType::u8;
   const auto reader = build(write_raw<float>("f32", [](int i) { return -2 + 0.01 * i; }), options).value();
-  EXPECT_EQ(reader->info().type, VoxelType::u8);
-  EXPECT_EQ(reader->info().range, (ValueRange{0, 255}));
+  EXPECT_EQ(reader->info().format.type, VoxelType::u8);
+  EXPECT_EQ(reader->info().ranges.channel[0], (ValueRange{0, 255}));
   for (int i = 0; i < 1400; i += 7) EXPECT_NEAR(physical(*reader, i), -2 + 0.01 * i, 13.99 / 255 / 2 + 1e-5);
 }
 

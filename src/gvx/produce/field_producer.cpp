@@ -6,13 +6,13 @@ namespace gvx::produce {
 
 FieldProducer::FieldProducer(TreeDescription description, Values values, Bounds bounds)
     : description_(std::move(description)), values_(std::move(values)), bounds_(std::move(bounds)) {
-  description_.type = VoxelType::f32;
-  description_.range = bounds_(bordered_box(NodeKey{}));
+  description_.format = {VoxelType::f32, VoxelContent::scalar, 1};
+  description_.ranges = bounds_(bordered_box(NodeKey{}));
 }
 
 Box3d FieldProducer::bordered_box(const NodeKey& key) const {
   const double across = nodes_across(static_cast<int>(description_.n), key.level),
-               border = 1.0 / (across * description_.m);
+               border = static_cast<double>(description_.n) / (across * description_.m);
   const Vec3d low = Vec3d(key.x, key.y, key.z) / across;
   return {low - Vec3d(border), low + Vec3d(1 / across + border)};
 }

@@ -15,8 +15,8 @@ class FieldProducer final : public Producer {
   using Values = std::function<float(Vec3d)>;
   using Bounds = std::function<ValueRange(const Box3d&)>;
 
-  /// `description` gives n, m, max_level and placement; its type becomes f32 and its range that of the whole
-  /// cube.
+  /// `description` gives n, m, max_level and placement; its type becomes f32 and its ranges those of the
+  /// whole cube.
   FieldProducer(TreeDescription description, Values values, Bounds bounds);
 
   const TreeDescription& description() const override { return description_; }
@@ -24,7 +24,7 @@ class FieldProducer final : public Producer {
   Status produce(const NodeKey& key, std::span<std::byte> voxels) const override;
 
  private:
-  /// The box of a node with its border.
+  /// The box of a node with a rim of n voxels.
   Box3d bordered_box(const NodeKey& key) const;
 
   TreeDescription description_;

@@ -24,18 +24,19 @@ struct TreeDescription {
   std::uint32_t n = 2;          ///< children along an axis of a node: 2 or 3
   std::uint32_t m = 16;         ///< voxels along an axis of a brick, border not counted: 8, 16 or 32
   std::uint32_t max_level = 0;  ///< of the finest nodes
-  VoxelType type = VoxelType::u8;
+  VoxelFormat format;
   Affine3 tree_to_world;
-  Box3d extent{{0, 0, 0}, {1, 1, 1}};    ///< the part of tree space that holds the volume
-  bool anatomical = false;               ///< world is millimetres: x right, y to the front, z up
-  double scale = 1, offset = 0;          ///< physical value = scale * stored value + offset
-  ValueRange range;                      ///< of all stored values
-  std::vector<std::uint64_t> histogram;  ///< of the voxels, equal bins over the range; may be empty
+  Box3d extent{{0, 0, 0}, {1, 1, 1}};  ///< the part of tree space that holds the volume
+  bool anatomical = false;             ///< world is millimetres: x right, y to the front, z up
+  double scale = 1, offset = 0;        ///< physical value = scale * stored value + offset
+  ChannelRanges ranges;                ///< of all stored values
+  /// Of each channel's voxels, equal bins over its range; may be empty.
+  std::vector<std::vector<std::uint64_t>> histograms;
+  /// describe() tells the true ranges: no node is found to be constant only when its brick is made.
+  bool exact_ranges = false;
   std::uint64_t bricks = 0;  ///< as many bricks as there can be, 0 for no bound: bounds the brick pool
 
-  /// Voxels of a brick with its border.
-  std::size_t brick_voxels() const { return std::size_t(m + 2) * (m + 2) * (m + 2); }
-  std::size_t brick_bytes() const { return brick_voxels() * voxel_bytes(type); }
+  std::size_t brick_bytes() const { return gvx::brick_bytes(format, m); }
 };
 
 /// All calls are thread-safe and are made from several threads at once.
@@ -50,11 +51,12 @@ class Producer {
   /// produced.
   virtual NodeKey canonical(const NodeKey& key) const { return key; }
 
-  /// The oracle: bounds each node's values, conservatively. A range of one value says that the node is
-  /// constant.
+  /// The oracle: bounds each node's values and those of a rim of n voxels around it, conservatively. Ranges
+  /// of one value say that the node is constant.
   virtual Status describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const = 0;
 
-  /// Fills (m+2)^3 voxels of a node, border included, x fastest.
+  /// Fills the brick of a node as core/voxel.h lays it out. `voxels` comes filled with zeros: a producer that
+  /// knows no deviations leaves them so.
   virtual Status produce(const NodeKey& key, std::span<std::byte> voxels) const = 0;
 
   /// Bytes read from files or servers so far.

@@ -11,13 +11,14 @@ namespace gvx::produce {
 namespace {
 
 /// The one value of all voxels, if they have but one.
-std::optional<float> single_value(VoxelType type, std::span<const std::byte> voxels) {
+std::optional<ChannelRanges> single_value(VoxelType type, std::span<const std::byte> voxels) {
   const std::size_t element = voxel_bytes(type);
   // Equal to itself shifted by one voxel: all are equal.
   if (std::memcmp(voxels.data(), voxels.data() + element, voxels.size() - element) != 0) return std::nullopt;
   return with_voxel_type(type, [&](auto value) {
     std::memcpy(&value, voxels.data(), element);
-    return static_cast<float>(value);
+    const auto v = static_cast<float>(value);
+    return std::optional<ChannelRanges>(ValueRange{v, v});
   });
 }
 
@@ -27,8 +28,10 @@ void do_job(const Producer& producer, Produced& produced) {
   if (produced.job.kind == JobKind::brick) {
     produced.voxels.resize(tree.brick_bytes());
     produced.status = producer.produce(key, produced.voxels);
-    if (produced.status.ok() && key.level == tree.max_level) {
-      produced.constant = single_value(tree.type, produced.voxels);
+    const bool may_be_constant = key.level == tree.max_level && !tree.exact_ranges && tree.format.planes == 1;
+    if (produced.status.ok() && may_be_constant) {
+      const std::size_t bytes = plane_texels(tree.m) * voxel_bytes(tree.format.type);
+      produced.constant = single_value(tree.format.type, std::span(produced.voxels).first(bytes));
     }
   } else {
     const int n = static_cast<int>(tree.n);

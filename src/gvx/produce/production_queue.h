@@ -37,10 +37,10 @@ struct JobHash {
 struct Produced {
   Job job;
   Status status;
-  std::vector<std::byte> voxels;         ///< of a brick that is not constant
-  std::optional<float> constant;         ///< the one value of a brick that turned out to have but one
-  std::vector<NodeKey> child_keys;       ///< of children: canonical
-  std::vector<tree::NodeInfo> children;  ///< of children: N^3 of them
+  std::vector<std::byte> voxels;          ///< of a brick that is not constant
+  std::optional<ChannelRanges> constant;  ///< the one value of a brick that turned out to have but one
+  std::vector<NodeKey> child_keys;        ///< of children: canonical
+  std::vector<tree::NodeInfo> children;   ///< of children: N^3 of them
 };
 
 /// Does one job, on the calling thread; what the producer throws becomes an error. A brick of one value is a

@@ -17,11 +17,11 @@ class CountingProducer final : public Producer {
     description_.n = 2;
     description_.m = 8;
     description_.max_level = 8;
-    description_.type = VoxelType::u16;
+    description_.format.type = VoxelType::u16;
   }
   const TreeDescription& description() const override { return description_; }
   Status describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const override {
-    for (std::size_t i = 0; i < keys.size(); ++i) infos[i] = {{0, static_cast<float>(keys[i].x)}, false};
+    for (std::size_t i = 0; i < keys.size(); ++i) infos[i] = {ValueRange{0, static_cast<float>(keys[i].x)}, false};
     return {};
   }
   Status produce(const NodeKey& key, std::span<std::byte> voxels) const override {
@@ -63,11 +63,11 @@ TEST(ProductionQueue, makes_every_job_once_and_recognises_constants) {
     ASSERT_TRUE(p.status.ok());
     if (p.job.kind == JobKind::children) {
       EXPECT_EQ(p.child_keys[7], (NodeKey{4, 9, 11, 13}));
-      EXPECT_EQ(p.children[1].range, (ValueRange{0, 9}));
+      EXPECT_EQ(p.children[1].ranges.channel[0], (ValueRange{0, 9}));
     } else {
       EXPECT_EQ(p.constant.has_value(), p.job.key.z == 0);
       if (p.constant) {
-        EXPECT_EQ(*p.constant, static_cast<float>(p.job.key.x));
+        EXPECT_EQ(p.constant->channel[0].minimum, static_cast<float>(p.job.key.x));
       }
     }
   }

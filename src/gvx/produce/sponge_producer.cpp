@@ -30,8 +30,7 @@ SpongeProducer::SpongeProducer(std::uint32_t m) {
   description_.n = 3;
   description_.m = m;
   description_.max_level = kMaxLevel;
-  description_.type = VoxelType::u8;
-  description_.range = {0, 255};
+  description_.ranges = ValueRange{0, 255};
   description_.bricks = 1;
 }
 
@@ -46,7 +45,8 @@ NodeKey SpongeProducer::canonical(const NodeKey& key) const {
 
 Status SpongeProducer::describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const {
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    infos[i] = canonical(keys[i]) == kHole ? tree::NodeInfo{{0, 0}, true} : tree::NodeInfo{{0, 255}, false};
+    infos[i] = canonical(keys[i]) == kHole ? tree::NodeInfo{ValueRange{0, 0}, true}
+                                           : tree::NodeInfo{ValueRange{0, 255}, false};
   }
   return {};
 }

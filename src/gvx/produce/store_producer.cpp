@@ -8,18 +8,16 @@ StoreProducer::StoreProducer(std::unique_ptr<store::StoreReader> reader) : reade
   description_.n = info.shape.n;
   description_.m = info.shape.m;
   description_.max_level = info.shape.levels - 1;
-  description_.type = info.type;
+  description_.format = info.format;
+  description_.exact_ranges = true;
   description_.tree_to_world = info.voxel_to_world * scaling(Vec3d(cube));
   description_.extent = {{0, 0, 0}, Vec3d(info.shape.dimensions) / cube};
   description_.anatomical = info.anatomical;
   description_.scale = info.scale;
   description_.offset = info.offset;
-  description_.range = info.range;
-  description_.histogram = info.histogram;
-  for (std::uint32_t level = 0; level < info.shape.levels; ++level) {
-    const Vec3i nodes = info.shape.level_nodes(level);
-    description_.bricks += static_cast<std::uint64_t>(nodes.x * nodes.y * nodes.z);
-  }
+  description_.ranges = info.ranges;
+  description_.histograms = info.histograms;
+  description_.bricks = info.shape.nodes();
 }
 
 Status StoreProducer::describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const {
@@ -30,11 +28,11 @@ Status StoreProducer::describe(std::span<const NodeKey> keys, std::span<tree::No
       const NodeKey above = parent(keys[i], static_cast<int>(description_.n));
       const bool known = info.shape.contains(above);
       GVX_ASSIGN(const store::NodeRecord record, reader_->node(known ? above : NodeKey{}));
-      infos[i] = {{record.range.minimum, record.range.minimum}, true};
+      infos[i] = {record.ranges.at_minimum(), true};
       continue;
     }
     GVX_ASSIGN(const store::NodeRecord record, reader_->node(keys[i]));
-    infos[i] = {record.range, keys[i].level == description_.max_level};
+    infos[i] = {record.ranges, keys[i].level == description_.max_level};
   }
   return {};
 }

@@ -36,27 +36,37 @@ Film::Film(const exec::Device& device, std::uint32_t width, std::uint32_t height
       rays_(device, std::size_t(width) * height),
       preview_(device, std::size_t(width) * height) {}
 
-Picture Film::develop(Vec3f background, bool opaque_background) const {
-  Picture picture{width_, height_, std::vector<float>(std::size_t(width_) * height_ * 4)};
+Film::Seen Film::seen(std::uint32_t x, std::uint32_t y) const {
+  const RayState& ray = rays_.view()[std::size_t(y) * width_ + x];
+  if (ray.epoch == epoch_ && ray.phase == RayPhase::finished) return {ray.color, ray.opacity};
+  Seen best;
+  std::uint32_t newest = 0;
+  for (std::uint32_t block = 1; block <= kLargestBlock; block *= 2) {
+    const PreviewPixel& p = preview_.view()[std::size_t(y / block * block) * width_ + x / block * block];
+    if (p.epoch != epoch_ || p.generation <= newest) continue;
+    newest = p.generation;
+    best = {p.color, p.opacity};
+  }
+  return best;
+}
+
+Picture Film::develop(std::uint32_t rays_per_axis, Vec3f background, bool opaque_background) const {
+  const std::uint32_t k = rays_per_axis;
+  Picture picture{width_ / k, height_ / k, std::vector<float>(std::size_t(width_ / k) * (height_ / k) * 4)};
   float* out = picture.rgba.data();
-  for (std::uint32_t y = 0; y < height_; ++y) {
-    for (std::uint32_t x = 0; x < width_; ++x, out += 4) {
-      const RayState& ray = rays_.view()[std::size_t(y) * width_ + x];
-      Vec3f color = ray.color;
-      float opacity = ray.opacity;
-      if (ray.epoch != epoch_ || ray.phase != RayPhase::finished) {
-        color = {};
-        opacity = 0;
-        std::uint32_t newest = 0;
-        for (std::uint32_t block = 1; block <= kLargestBlock; block *= 2) {
-          const PreviewPixel& p =
-              preview_.view()[std::size_t(y / block * block) * width_ + x / block * block];
-          if (p.epoch != epoch_ || p.generation <= newest) continue;
-          newest = p.generation;
-          color = p.color;
-          opacity = p.opacity;
+  for (std::uint32_t y = 0; y < picture.height; ++y) {
+    for (std::uint32_t x = 0; x < picture.width; ++x, out += 4) {
+      Vec3f color;
+      float opacity = 0;
+      for (std::uint32_t j = 0; j < k; ++j) {
+        for (std::uint32_t i = 0; i < k; ++i) {
+          const Seen one = seen(x * k + i, y * k + j);
+          color = color + one.color;
+          opacity += one.opacity;
         }
       }
+      color = color / static_cast<float>(k * k);
+      opacity /= static_cast<float>(k * k);
       if (opaque_background) {
         color = color + (1 - opacity) * background;
         opacity = 1;

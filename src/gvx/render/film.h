@@ -38,6 +38,7 @@ class Film {
   /// The largest block of a preview's first stage.
   static constexpr std::uint32_t kLargestBlock = 32;
 
+  /// Of width x height rays.
   Film(const exec::Device& device, std::uint32_t width, std::uint32_t height);
 
   exec::TileGrid grid() const { return {width_, height_, 16}; }
@@ -49,13 +50,20 @@ class Film {
   /// What rays and preview pixels of this picture carry; others count as not there.
   std::uint32_t epoch() const { return epoch_; }
 
-  /// Finished rays as they are; the rest as a preview pixel whose block they are in, of the newest
-  /// generation and then of the finest block; else nothing.
-  Picture develop(Vec3f background, bool opaque_background) const;
+  /// Pixels of rays_per_axis^2 rays each: finished rays as they are; the rest as a preview pixel whose block
+  /// they are in, of the newest generation and then of the finest block; else nothing.
+  Picture develop(std::uint32_t rays_per_axis, Vec3f background, bool opaque_background) const;
 
   FilmTotals totals() const;
 
  private:
+  /// Colour, multiplied by its opacity, and opacity.
+  struct Seen {
+    Vec3f color;
+    float opacity = 0;
+  };
+  Seen seen(std::uint32_t x, std::uint32_t y) const;
+
   std::uint32_t width_, height_;
   std::uint32_t epoch_ = 1;
   exec::Buffer<RayState> rays_;

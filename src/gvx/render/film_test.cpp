@@ -10,7 +10,7 @@ TEST(Film, shows_finished_rays_then_the_finest_preview_then_the_background) {
   film.preview()[0] = {{0.25f, 0, 0}, 0.5f, 3, 2, 1, 1, 1};  // stands for the whole block
   film.preview()[2] = {{0, 0.5f, 0}, 0.5f, 1, 1, 0, 1, 1};   // of block 2: pixels (2..3, 0..1)
   film.rays()[3] = {7, {0, 0, 1}, 1, RayPhase::finished, 11, 1};
-  const Picture picture = film.develop({0, 0, 0.5f}, true);
+  const Picture picture = film.develop(1, {0, 0, 0.5f}, true);
   const auto pixel = [&](int x, int y) {
     return Vec3f(picture.rgba[4 * (5 * y + x)], picture.rgba[4 * (5 * y + x) + 1],
                  picture.rgba[4 * (5 * y + x) + 2]);
@@ -26,16 +26,16 @@ TEST(Film, shows_finished_rays_then_the_finest_preview_then_the_background) {
   EXPECT_EQ(totals.resident, 3u);
   EXPECT_EQ(totals.worst_lack, 1u);
   film.preview()[0].generation = 2;  // newer data, if in a larger block
-  EXPECT_EQ(film.develop({0, 0, 0.5f}, true).rgba[4 * (5 * 1 + 2)], 0.25f);
+  EXPECT_EQ(film.develop(1, {0, 0, 0.5f}, true).rgba[4 * (5 * 1 + 2)], 0.25f);
   film.clear();
   EXPECT_EQ(film.totals().unfinished, 15u);
-  EXPECT_EQ(film.develop({0, 0, 0.5f}, true).rgba[4 * 3 + 2], 0.5f);
+  EXPECT_EQ(film.develop(1, {0, 0, 0.5f}, true).rgba[4 * 3 + 2], 0.5f);
 }
 
 TEST(Picture, keeps_alpha_apart_for_png_and_multiplied_and_linear_for_exr) {
   Film film(exec::Device::cpu(), 1, 1);
   film.rays()[0] = {0, {0.25f, 0.5f, 0}, 0.5f, RayPhase::finished, 0, 1};
-  const Picture picture = film.develop({}, false);
+  const Picture picture = film.develop(1, {}, false);
   EXPECT_EQ(picture.to_8_bit(), (std::vector<std::uint8_t>{128, 255, 0, 128}));
   const auto linear = picture.to_linear_premultiplied();
   EXPECT_NEAR(linear[0], 0.2140f * 0.5f, 1e-4f);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "gvx/core/node_key.h"
+
 namespace gvx::render {
 namespace {
 
@@ -16,38 +18,54 @@ exec::Buffer<T> upload(const exec::Device& device, const std::vector<T>& values)
   return buffer;
 }
 
-Status check(const View& view) {
+Status check(const View& view, const TreePlacement& placement) {
   if (view.width < 1 || view.height < 1 || view.width > kLargestPicture || view.height > kLargestPicture) {
     return Error{"picture size: " + std::to_string(view.width) + "x" + std::to_string(view.height) +
                  " is not between 1x1 and 32768x32768"};
   }
-  if (!(view.samples_per_voxel >= 0.05 && view.samples_per_voxel <= 1000)) {
-    return Error{"samples per voxel: must be between 0.05 and 1000"};
+  if (view.antialias < 1 || view.antialias > 8) return Error{"antialias: must be from 1 to 8"};
+  if (!(view.samples_per_voxel >= 1 && view.samples_per_voxel <= 1000)) {
+    return Error{"samples per voxel: must be between 1 and 1000"};
   }
   for (int axis = 0; axis < 3; ++axis) {
     if (!(view.clip.minimum[axis] < view.clip.maximum[axis])) {
       return Error{"clip box: each minimum must be below its maximum"};
     }
   }
-  return scene::check(view.function);
+  const bool scalar = placement.format.content == VoxelContent::scalar;
+  if (view.mode != scene::Mode::composite && !scalar) {
+    return Error{std::string("mode: a volume of ") + content_name(placement.format.content) +
+                 " voxels can only be composited"};
+  }
+  if (view.mode == scene::Mode::isosurface && placement.format.planes != 1) {
+    return Error{"mode: an isosurface needs a volume of one channel"};
+  }
+  if (view.lighting.lights < 0 || view.lighting.lights > scene::Lighting::kMostLights) {
+    return Error{"lights: at most " + std::to_string(scene::Lighting::kMostLights)};
+  }
+  const bool has_function = scalar || placement.format.content == VoxelContent::labels;
+  if (has_function && view.functions.empty()) return Error{"transfer function: none given"};
+  for (const scene::TransferFunction& function : view.functions) GVX_TRY(scene::check(function));
+  return {};
 }
 
 }  // namespace
 
 Result<Frame> Frame::make(const exec::Device& device, const View& view, const TreePlacement& placement,
                           const Frame* previous) {
-  GVX_TRY(check(view));
+  GVX_TRY(check(view, placement));
   GVX_CHECK(placement.max_level < kMaxLevels);
   Frame frame;
   FrameView& v = frame.view_;
-  GVX_ASSIGN(v.camera, scene::make_view(view.camera, view.width, view.height));
-  v.width = view.width;
-  v.height = view.height;
+  v.width = view.width * view.antialias;
+  v.height = view.height * view.antialias;
+  GVX_ASSIGN(v.camera, scene::make_view(view.camera, v.width, v.height));
   v.world_to_tree = inverse(placement.tree_to_world);
   const Vec3d size = placement.extent.maximum - placement.extent.minimum;
   const Box3d clip{placement.extent.minimum + view.clip.minimum * size,
                    placement.extent.minimum + view.clip.maximum * size};
   v.box = intersect(clip, placement.extent);
+  v.format = placement.format;
 
   const double finest_voxels =
       nodes_across(placement.n, static_cast<std::uint32_t>(placement.max_level)) * placement.m;
@@ -55,58 +73,85 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   const Vec3d spacing =
       Vec3d(length(place.column[0]), length(place.column[1]), length(place.column[2])) / finest_voxels;
   v.tick_world = min_component(spacing) / view.samples_per_voxel;
+  v.voxels_per_step = static_cast<float>(1 / view.samples_per_voxel);
   v.max_level = placement.max_level;
 
-  // A level serves where its voxel, along its widest axis, is no wider than the cone: width = pixel * t.
   std::int64_t stride = 1;
   for (int level = placement.max_level; level >= 0; --level, stride *= placement.n) {
     v.stride[level] = stride;
     const double voxel_world = max_component(spacing) * static_cast<double>(stride);
-    if (level == placement.max_level) {
-      v.lod_distance[level] = 0;
-    } else if (!view.level_of_detail) {
-      v.lod_distance[level] = std::numeric_limits<double>::infinity();
-    } else if (v.camera.orthographic) {
-      v.lod_distance[level] = voxel_world <= v.camera.pixel ? 0 : std::numeric_limits<double>::infinity();
-    } else {
-      v.lod_distance[level] = voxel_world / v.camera.pixel;
+    const bool out_of_reach = !view.level_of_detail || v.camera.orthographic;
+    v.lod_distance[level] =
+        out_of_reach ? std::numeric_limits<double>::infinity() : voxel_world / v.camera.pixel;
+    if (v.camera.orthographic && view.level_of_detail && voxel_world <= v.camera.pixel) {
+      v.fixed_level = level;
+      const double coarser = voxel_world * placement.n;
+      const double share = (v.camera.pixel - voxel_world) / (coarser - voxel_world);
+      v.fixed_blend = level > 0 ? static_cast<float>(std::min(share, 1.0)) : 0.0f;
     }
   }
 
-  const double unit = view.function.unit_distance > 0 ? view.function.unit_distance : min_component(spacing);
-  std::vector<double> step_units;
-  for (int level = 0; level <= placement.max_level; ++level) {
-    step_units.push_back(v.tick_world * static_cast<double>(v.stride[level]) / unit);
+  const scene::TransferFunction none{{{0, {}}}, {{0, 0}}, 0, {}};
+  const double unit_distance = view.functions.empty() ? 0 : view.functions[0].unit_distance;
+  const double unit = unit_distance > 0 ? unit_distance : min_component(spacing);
+  v.units_per_tick = static_cast<float>(v.tick_world / unit);
+  // A step of the finest level through the most opaque matter leaves less than RayMarcher looks at.
+  const double most_extinction = std::max(16.0, 8 * unit / v.tick_world);
+  v.visibility.mode = view.mode;
+  v.visibility.channels = placement.format.channels();
+  for (std::uint32_t c = 0; c < v.visibility.channels; ++c) {
+    const scene::TransferFunction& function =
+        view.functions.empty() ? none : view.functions[std::min<std::size_t>(c, view.functions.size() - 1)];
+    std::shared_ptr<const Tables> tables;
+    if (previous != nullptr && c < previous->tables_.size()) {
+      const Tables& before = *previous->tables_[c];
+      if (before.function == function && before.most_extinction == most_extinction) {
+        tables = previous->tables_[c];
+      }
+    }
+    if (tables == nullptr) tables = make_tables(device, function, placement, most_extinction);
+    v.visibility.functions[c] = tables->view;
+    frame.tables_.push_back(std::move(tables));
+    // A surface crosses the function's values within a few voxels; a two-hundredth of them a voxel is noise.
+    v.soft_gradient[c] = static_cast<float>(scene::TransferView::kEntries /
+                                            std::abs(v.visibility.functions[c].to_entry_scale) / 200);
   }
-  const bool same_tables = previous != nullptr && previous->tables_->function == view.function &&
-                           previous->tables_->step_units == step_units;
-  frame.tables_ =
-      same_tables ? previous->tables_ : make_tables(device, view.function, placement, std::move(step_units));
-  v.function = frame.tables_->view;
-
-  v.lighting = view.lighting;
-  v.to_light = Vec3f(scene::direction_to_light(v.camera.forward, v.camera.right, v.camera.up));
-  // A surface crosses the function's values within a few voxels; a two-hundredth of them a voxel is noise.
-  v.soft_gradient =
-      static_cast<float>(scene::TransferView::kEntries / std::abs(v.function.to_entry_scale) / 200);
+  v.visibility.isovalue = static_cast<float>((view.isovalue - placement.offset) / placement.scale);
+  if (view.mode == scene::Mode::isosurface) v.iso_color = Vec3f(view.functions[0].color(view.isovalue));
+  v.lighting = scene::place_lights(view.lighting, v.camera.forward, v.camera.right, v.camera.up);
   return frame;
 }
 
 std::shared_ptr<const Frame::Tables> Frame::make_tables(const exec::Device& device,
                                                         const scene::TransferFunction& function,
                                                         const TreePlacement& placement,
-                                                        std::vector<double> step_units) {
-  const scene::TransferTable table = scene::bake(function, placement.scale, placement.offset, step_units);
+                                                        double most_extinction) {
+  scene::TransferTable table;
+  switch (placement.format.content) {
+    case VoxelContent::scalar:
+      table = scene::bake(function, placement.scale, placement.offset, most_extinction);
+      break;
+    case VoxelContent::labels:
+      table = scene::bake_labels(function, placement.scale, placement.offset,
+                                 static_cast<std::uint32_t>(placement.ranges.channel[0].maximum) + 1);
+      break;
+    default:
+      table = scene::bake_opacities();
+  }
   auto tables = std::make_shared<Tables>();
   tables->function = function;
-  tables->step_units = std::move(step_units);
-  tables->colors = upload(device, table.colors);
-  tables->opacities = upload(device, table.opacities);
-  tables->opaque_before = upload(device, table.opaque_before);
+  tables->most_extinction = most_extinction;
+  tables->matter = upload(device, table.matter);
+  tables->integral = upload(device, table.integral);
+  tables->visible_before = upload(device, table.visible_before);
+  tables->gradient_factor = upload(device, table.gradient_factor);
   tables->view = table.view();
-  tables->view.colors = tables->colors.view().data;
-  tables->view.opacities = tables->opacities.view().data;
-  tables->view.opaque_before = tables->opaque_before.view().data;
+  tables->view.matter = tables->matter.view().data;
+  tables->view.integral = tables->integral.view().data;
+  tables->view.visible_before = tables->visible_before.view().data;
+  if (tables->view.gradient_factor != nullptr) {
+    tables->view.gradient_factor = tables->gradient_factor.view().data;
+  }
   return tables;
 }
 

@@ -6,74 +6,72 @@
 /// finest level, from where the ray enters the volume. A step of level l is stride[l] = N^(max_level - l)
 /// ticks long and starts at a multiple of it, so that where a ray takes its samples depends on the ray alone:
 /// not on nodes, not on what is resident.
+///
+/// A ray is a cone. Where it is as wide as a voxel of level l, that level alone is sampled; from there on the
+/// next coarser one is blended in, until the cone is as wide as its voxels:
+///
+///     t        0 ........ lod_distance[2] ........ lod_distance[1] .............. lod_distance[0] ......
+///     level        2 = max       |   2, more and more of 1   |   1, more and more of 0   |   0
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <vector>
 
-#include "gvx/core/affine.h"
-#include "gvx/core/node_key.h"
-#include "gvx/core/ray.h"
 #include "gvx/core/result.h"
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
-#include "gvx/scene/camera.h"
-#include "gvx/scene/lighting.h"
-#include "gvx/scene/transfer_function.h"
+#include "gvx/render/view.h"
 
 namespace gvx::render {
 
 /// Levels a tree can have: 2^32 nodes across.
 inline constexpr int kMaxLevels = 33;
 
-/// What one wants to see.
-struct View {
-  std::uint32_t width = 1024, height = 1024;
-  scene::Camera camera;
-  scene::TransferFunction function;
-  scene::Lighting lighting;
-  Box3d clip{{0, 0, 0}, {1, 1, 1}};  ///< in fractions of the volume's box along its axes
-  Vec3f background{0, 0, 0};         ///< display (sRGB)
-  bool opaque_background = true;     ///< otherwise pixels keep their alpha
-  double samples_per_voxel = 2;      ///< along a ray, of the level that is sampled
-  bool level_of_detail = true;       ///< otherwise the finest level everywhere
-
-  bool operator==(const View&) const = default;
-};
-
-/// What is known of the tree that is looked at.
-struct TreePlacement {
-  int n = 2, m = 16;
-  int max_level = 0;
-  Affine3 tree_to_world;
-  Box3d extent{{0, 0, 0}, {1, 1, 1}};  ///< of the volume in tree space
-  double scale = 1, offset = 0;        ///< physical value = scale * stored value + offset
-};
-
 struct FrameView {
   scene::CameraView camera;
-  std::uint32_t width = 0, height = 0;
+  std::uint32_t width = 0, height = 0;  ///< in rays
   Affine3 world_to_tree;
   Box3d box;  ///< of the visible volume in tree space
   double tick_world = 0;
   int max_level = 0;
-  double lod_distance[kMaxLevels] = {};  ///< level l serves from here on outwards
+  double lod_distance[kMaxLevels] = {};  ///< the cone is as wide as a voxel of level l there
   std::int64_t stride[kMaxLevels] = {};  ///< of a step of level l, in ticks
-  scene::TransferView function;
-  scene::Lighting lighting;
-  Vec3f to_light;
-  float soft_gradient = 0;  ///< stored units a voxel at which a gradient counts half as a surface
+  float fixed_blend = -1;  ///< share of the coarser level everywhere, if not negative (orthographic)
+  int fixed_level = 0;     ///< and the level then
+  VoxelFormat format;
+  scene::Visibility visibility;
+  scene::LightingView lighting;
+  float units_per_tick = 1;   ///< unit distances of the extinctions
+  float voxels_per_step = 1;  ///< of the level that is sampled
+  Vec3f iso_color;
+  float soft_gradient[kMaxChannels] =
+      {};  ///< stored units a voxel at which a gradient counts half as a surface
 
-  /// The coarsest level whose voxel is no wider than the pixel's cone at distance t.
+  /// The level whose voxel is no wider than the cone at distance t, the coarsest such.
   GVX_HD int level_at(double t) const {
+    if (fixed_blend >= 0) return fixed_level;
     int level = max_level;
     while (level > 0 && t >= lod_distance[level - 1]) --level;
     return level;
   }
+
+  /// The share of the next coarser level at distance t, where `level` is sampled.
+  GVX_HD float blend_at(int level, double t) const {
+    if (fixed_blend >= 0) return fixed_blend;
+    const double from = lod_distance[level], to = lod_distance[level - 1];
+    const double share = (t - from) / (to - from);
+    return share > 0 ? (share < 1 ? static_cast<float>(share) : 1.0f) : 0.0f;
+  }
+
+  /// Is any of the coarser level seen at distance t, where `level` is sampled?
+  GVX_HD bool blends(int level, double t) const {
+    if (level == 0 || format.content == VoxelContent::labels) return false;
+    return fixed_blend >= 0 ? fixed_blend > 0 : t > lod_distance[level];
+  }
 };
 
-/// Owns the tables behind a FrameView; frames of one transfer function share them.
+/// Owns the tables behind a FrameView; frames of the same transfer functions share them.
 class Frame {
  public:
   /// An error where the view cannot be made: a bad camera, function, clip box or size. `previous`, if not
@@ -84,21 +82,22 @@ class Frame {
   FrameView view() const { return view_; }
 
  private:
+  /// A transfer function's tables on the device.
   struct Tables {
     scene::TransferFunction function;
-    std::vector<double> step_units;
-    exec::Buffer<Vec3f> colors;
-    exec::Buffer<float> opacities;
-    exec::Buffer<std::uint32_t> opaque_before;
+    double most_extinction = 0;
+    exec::Buffer<scene::Matter> matter;
+    exec::Buffer<scene::TransferView::Integral> integral;
+    exec::Buffer<std::uint32_t> visible_before;
+    exec::Buffer<float> gradient_factor;
     scene::TransferView view;
   };
   static std::shared_ptr<const Tables> make_tables(const exec::Device& device,
                                                    const scene::TransferFunction& function,
-                                                   const TreePlacement& placement,
-                                                   std::vector<double> step_units);
+                                                   const TreePlacement& placement, double most_extinction);
 
   FrameView view_;
-  std::shared_ptr<const Tables> tables_;
+  std::vector<std::shared_ptr<const Tables>> tables_;
 };
 
 }  // namespace gvx::render

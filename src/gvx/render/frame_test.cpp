@@ -8,13 +8,13 @@ namespace {
 View simple_view() {
   View view;
   view.camera = {{0.5, 0.5, -3}, {0.5, 0.5, 0.5}, {0, 1, 0}, 30, 0};
-  view.function = {{{0, {1, 1, 1}}}, {{0, 0}, {1, 1}}, 0};
+  view.functions = {{{{0, {1, 1, 1}}}, {{0, 0}, {1, 1}}, 0, {}}};
   view.width = view.height = 100;
   return view;
 }
 
 TEST(Frame, level_follows_the_cone) {
-  const TreePlacement tree{2, 16, 5, {}, {{0, 0, 0}, {1, 1, 1}}, 1, 0};
+  const TreePlacement tree{2, 16, 5, {}, {}, {{0, 0, 0}, {1, 1, 1}}, 1, 0, {}};
   const Frame frame = Frame::make(exec::Device::cpu(), simple_view(), tree).value();
   const FrameView v = frame.view();
   const double finest_voxel = 1.0 / (16 * 32);
@@ -31,7 +31,7 @@ TEST(Frame, level_follows_the_cone) {
 TEST(Frame, without_level_of_detail_all_is_finest) {
   View view = simple_view();
   view.level_of_detail = false;
-  const TreePlacement tree{3, 8, 4, {}, {{0, 0, 0}, {1, 1, 1}}, 1, 0};
+  const TreePlacement tree{3, 8, 4, {}, {}, {{0, 0, 0}, {1, 1, 1}}, 1, 0, {}};
   EXPECT_EQ(Frame::make(exec::Device::cpu(), view, tree).value().view().level_at(1e12), 4);
 }
 
@@ -46,7 +46,7 @@ TEST(Frame, bad_views_are_errors) {
   EXPECT_TRUE(fails([](View& v) { v.width = 0; }));
   EXPECT_TRUE(fails([](View& v) { v.height = 1u << 20; }));
   EXPECT_TRUE(fails([](View& v) { v.clip.minimum.x = 2; }));
-  EXPECT_TRUE(fails([](View& v) { v.function.opacities.clear(); }));
+  EXPECT_TRUE(fails([](View& v) { v.functions[0].opacities.clear(); }));
   EXPECT_TRUE(fails([](View& v) { v.camera.target = v.camera.eye; }));
   EXPECT_TRUE(fails([](View& v) { v.samples_per_voxel = 0; }));
 }

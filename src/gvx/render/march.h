@@ -1,20 +1,27 @@
 /// \file
-/// What one ray does: descend to the node at its next sample, leap over it where it is transparent, march its
-/// brick where it is resident, and otherwise ask for what is missing. Two ways to meet missing data: an exact
-/// ray stops there and keeps its state; a preview ray makes do with the finest resident ancestor and goes on.
+/// What one ray does: descend to the node at its next step, leap over it where it is transparent, gather from
+/// its brick and, where levels blend, its parent's, and otherwise ask for what is missing. Two ways to meet
+/// missing data: an exact ray stops there and keeps its state; a preview ray makes do with the finest
+/// resident ancestor and goes on.
 ///
 /// One scalar ray at a time. The picture is defined here; faster loops must reproduce it.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 #include "gvx/brick/brick_pool.h"
 #include "gvx/brick/sample.h"
 #include "gvx/cache/request_marks.h"
 #include "gvx/cache/usage_list.h"
+#include "gvx/render/classified.h"
+#include "gvx/render/composite.h"
 #include "gvx/render/frame.h"
+#include "gvx/render/isosurface.h"
+#include "gvx/render/projection.h"
 #include "gvx/render/ray_state.h"
+#include "gvx/render/stretch.h"
 #include "gvx/tree/node_pool.h"
 
 namespace gvx::render {
@@ -30,17 +37,13 @@ struct PassView {
   std::uint32_t pass = 0;
 };
 
-/// A ray stops when no more than this is left to see: a quarter of a step of 8 bits.
-inline constexpr float kOpaque = 1.0f - 1.0f / 1024;
-
 template <typename Voxel, int N, int M>
 class RayMarcher {
  public:
   GVX_HD RayMarcher(const PassView<Voxel, N, M>& view, double pixel_x, double pixel_y) : view_(view) {
     const FrameView& frame = view.frame;
-    const Ray ray_world = frame.camera.pixel_ray(pixel_x, pixel_y);
-    ray_ = {frame.world_to_tree.point(ray_world.origin), frame.world_to_tree.vector(ray_world.direction)};
-    to_eye_ = -Vec3f(ray_world.direction);
+    ray_world_ = frame.camera.pixel_ray(pixel_x, pixel_y);
+    ray_ = {frame.world_to_tree.point(ray_world_.origin), frame.world_to_tree.vector(ray_world_.direction)};
     inside_ = intersect(ray_, frame.box, 0, 1e300);
   }
 
@@ -49,9 +52,9 @@ class RayMarcher {
     while (state.phase == RayPhase::under_way) {
       Step step;
       if (!next_step(state, step)) return;
-      const Place place = descend(step);
-      if (place.lack != 0) {
-        view_.requests.request(place.node, place.lack, 1 - state.opacity);
+      const Place place = descend(step, state);
+      if (place.lack != 0 || place.lacks_coarse) {
+        ask(place, 1 - state.opacity);
         return;
       }
       take(state, step, place);
@@ -65,14 +68,15 @@ class RayMarcher {
     while (state.phase == RayPhase::under_way) {
       Step step;
       if (!next_step(state, step)) break;
-      Place place = descend(step);
+      Place place = descend(step, state);
+      const bool lacking = place.lack != 0 || place.lacks_coarse;
       if (place.kind != Place::transparent) {
         ++pixel.wanted;
-        pixel.resident += place.lack == 0 ? 1 : 0;
+        pixel.resident += lacking ? 0 : 1;
       }
-      if (place.lack != 0) {
-        view_.requests.request(place.node, place.lack, 1 - state.opacity);
-        fall_back(step, place, pixel);
+      if (lacking) {
+        ask(place, 1 - state.opacity);
+        if (place.lack != 0) fall_back(step, place, pixel);
       }
       take(state, step, place);
     }
@@ -86,9 +90,10 @@ class RayMarcher {
   struct Step {
     int level;
     std::int64_t tick, stride;
-    std::int64_t zone_end;  ///< the tick at which a coarser level takes over
-    double t_centre;        ///< of its sample
-    Vec3d p;                ///< of its sample, in tree space
+    std::int64_t zone_end;  ///< the tick at which a coarser level takes over, or begins to be blended in
+    bool blended;           ///< some of the next coarser level is seen
+    double t_centre;
+    Vec3d p;  ///< its centre in tree space
   };
 
   /// Where a descent ended.
@@ -96,11 +101,15 @@ class RayMarcher {
     enum Kind { transparent, constant, brick, nothing } kind = nothing;
     std::uint32_t lack = 0;  ///< what must be asked for at `node`
     NodeIndex node;
-    int level = 0;            ///< of the node
-    double cell[3] = {};      ///< of the node, in nodes of its level
-    BrickIndex slot;          ///< of the brick to sample
-    int brick_level = 0;      ///< of that brick: the node's, or an ancestor's in a preview
-    int ancestor_level = -1;  ///< of the finest ancestor with a brick, -1 for none
+    int level = 0;        ///< of the node
+    double cell[3] = {};  ///< of the node, in nodes of its level
+    BrickIndex slot;      ///< of the brick to sample
+    int brick_level = 0;  ///< of that brick: the node's, or an ancestor's in a preview
+    NodeIndex parent;     ///< of the node, where levels are blended
+    BrickIndex parent_slot;
+    bool blended = false;       ///< with the parent's brick
+    bool lacks_coarse = false;  ///< that brick is not there
+    int ancestor_level = -1;    ///< of the finest ancestor with a brick, -1 for none
     BrickIndex ancestor_slot;
   };
 
@@ -115,24 +124,58 @@ class RayMarcher {
     step.stride = frame.stride[level];
     step.t_centre = t_at(static_cast<double>(step.tick) + 0.5 * static_cast<double>(step.stride));
     if (inside_.empty() || !(step.t_centre < inside_.exit)) {
-      state.phase = RayPhase::finished;
+      finish(state);
       return false;
     }
     step.zone_end = INT64_MAX;
-    if (level > 0) {
-      const double handover = (frame.lod_distance[level - 1] - inside_.enter) / frame.tick_world;
+    step.blended = frame.blends(level, step.t_centre);
+    if (level > 0 && frame.fixed_blend < 0) {
+      const double from = frame.lod_distance[step.blended ? level - 1 : level];
+      const double handover = (from - inside_.enter) / frame.tick_world;
       if (handover < 9e15) {
-        const std::int64_t coarser = frame.stride[level - 1];
+        const std::int64_t multiple = frame.stride[step.blended ? level - 1 : level];
         const auto at = static_cast<std::int64_t>(std::ceil(handover > 0 ? handover : 0));
         const std::int64_t next = at > step.tick ? at : step.tick + 1;
-        step.zone_end = (next + coarser - 1) / coarser * coarser;
+        step.zone_end = (next + multiple - 1) / multiple * multiple;
       }
     }
     step.p = ray_.at(step.t_centre);
     return true;
   }
 
-  GVX_HD Place descend(const Step& step) const {
+  GVX_HD RayView ray_view() const { return {view_.frame, ray_world_, -Vec3f(ray_world_.direction)}; }
+
+  GVX_HD bool projects() const {
+    const scene::Mode mode = view_.frame.visibility.mode;
+    return mode != scene::Mode::composite && mode != scene::Mode::isosurface;
+  }
+
+  GVX_HD void finish(RayState& state) const {
+    state.phase = RayPhase::finished;
+    if (projects()) finish_projection(ray_view(), static_cast<float>(state.tick), state);
+  }
+
+  /// Can nothing below a node change what a projecting ray has gathered?
+  GVX_HD bool outdone_node(NodeIndex node, RayState& state) const {
+    if (!projects()) return false;
+    bool all = true;
+    for (std::uint32_t c = 0; c < view_.frame.visibility.channels; ++c) {
+      all = all && outdone(view_.frame.visibility.mode, state, c, view_.nodes.range_of(node, c));
+    }
+    return all;
+  }
+
+  /// Asks for what is missing, and keeps the half that is there of two bricks to blend.
+  GVX_HD void ask(const Place& place, float priority) const {
+    if (place.blended) view_.brick_usage.touch(place.parent_slot.value, view_.pass);
+    if (place.lacks_coarse && place.kind == Place::brick) {
+      view_.brick_usage.touch(place.slot.value, view_.pass);
+    }
+    if (place.lack != 0) view_.requests.request(place.node, place.lack, priority);
+    if (place.lacks_coarse) view_.requests.request(place.parent, cache::kNeedsBrick, priority);
+  }
+
+  GVX_HD Place descend(const Step& step, RayState& state) const {
     const tree::NodePoolView& nodes = view_.nodes;
     Place place;
     Vec3d x = step.p;
@@ -146,7 +189,7 @@ class RayMarcher {
       view_.tile_usage.touch(tile, view_.pass);
       place.node = NodeIndex(tile * (N * N * N) + index);
       const tree::ChildWord child = nodes.child[place.node.value];
-      if (child.transparent()) {
+      if (child.transparent() || outdone_node(place.node, state)) {
         place.kind = Place::transparent;
         return place;
       }
@@ -161,8 +204,15 @@ class RayMarcher {
         place.lack = has_brick ? 0 : cache::kNeedsBrick;
         place.slot = content.brick();
         place.brick_level = place.level;
+        if (step.blended && place.level == step.level) {
+          const bool parent_here = place.ancestor_level == place.level - 1;
+          place.lacks_coarse = !parent_here;
+          place.blended = parent_here;
+          place.parent_slot = place.ancestor_slot;
+        }
         return place;
       }
+      place.parent = place.node;
       if (has_brick) {
         place.ancestor_level = place.level;
         place.ancestor_slot = content.brick();
@@ -195,6 +245,7 @@ class RayMarcher {
     place.kind = place.ancestor_level >= 0 ? Place::brick : Place::nothing;
     place.slot = place.ancestor_slot;
     place.brick_level = place.ancestor_level;
+    place.blended = false;
     const auto lack =
         static_cast<std::uint32_t>(step.level - (place.ancestor_level >= 0 ? place.ancestor_level : 0));
     pixel.worst_lack = lack > pixel.worst_lack ? lack : pixel.worst_lack;
@@ -225,67 +276,84 @@ class RayMarcher {
     const auto steps = static_cast<std::int64_t>(count < 1e15 ? count : 1e15);
 
     if (place.kind == Place::constant) {
-      gather_constant(state, view_.nodes.range[place.node.value].minimum, step.level, steps);
+      gather_constant(state, place, step.level, steps);
     } else if (place.kind == Place::brick) {
       view_.brick_usage.touch(place.slot.value, view_.pass);
-      gather_brick(state, step, place, step_level, t_step, steps);
+      if (place.blended) view_.brick_usage.touch(place.parent_slot.value, view_.pass);
+      gather(state, stretch_of(step, place, step_level, t_step, steps));
     }
     state.tick += steps * stride;
   }
 
-  GVX_HD void add(RayState& state, Vec3f color, float opacity) const {
-    const float weight = (1 - state.opacity) * opacity;
-    state.color = state.color + weight * color;
-    state.opacity += weight;
-    if (state.opacity >= kOpaque) state.phase = RayPhase::finished;
-  }
-
-  GVX_HD void gather_constant(RayState& state, float value, int level, std::int64_t steps) const {
-    const scene::TransferView& function = view_.frame.function;
-    const auto at = function.place(value);
-    const float opacity = function.opacity(at, level);
-    ++state.samples;
-    if (opacity <= 0) return;
-    const float all = 1 - std::pow(1 - opacity, static_cast<float>(steps));
-    add(state, function.color(at), all);
-  }
-
-  GVX_HD void gather_brick(RayState& state, const Step& step, const Place& place, int step_level,
-                           double t_step, std::int64_t steps) const {
+  GVX_HD void gather_constant(RayState& state, const Place& place, int level, std::int64_t steps) const {
     const FrameView& frame = view_.frame;
-    const Voxel* voxels = view_.bricks.brick(place.slot);
-    const double across = nodes_across(N, static_cast<std::uint32_t>(place.brick_level));
-    const double shrink = nodes_across(N, static_cast<std::uint32_t>(place.level - place.brick_level));
-    Vec3f p, dp;
+    ChannelRanges values;
+    for (std::uint32_t c = 0; c < frame.visibility.channels; ++c) {
+      values.channel[c] = view_.nodes.range_of(place.node, c);
+    }
+    if (frame.format.content == VoxelContent::labels) {
+      composite_label(ray_view(), values.channel[0].minimum, level, steps, state);
+    } else if (projects()) {
+      project_constant(ray_view(), values, level, steps, state);
+    } else if (frame.visibility.mode == scene::Mode::composite) {
+      composite_constant(ray_view(), values, level, steps, state);
+    }
+  }
+
+  /// The path of the steps' centres through a brick of `level` that holds the node.
+  GVX_HD BrickPath<Voxel, M> path_in(BrickIndex slot, int level, const Step& step, const Place& place,
+                                     double t_step) const {
+    const double across = nodes_across(N, static_cast<std::uint32_t>(level));
+    const double shrink = nodes_across(N, static_cast<std::uint32_t>(place.level - level));
+    BrickPath<Voxel, M> path;
+    path.brick = view_.bricks.brick(slot);
+    path.voxels_across = static_cast<float>(across * M);
     for (int axis = 0; axis < 3; ++axis) {
       const double corner = std::floor(place.cell[axis] / shrink);
-      p[axis] = static_cast<float>((step.p[axis] * across - corner) * M);
-      dp[axis] = static_cast<float>(ray_.direction[axis] * t_step * across * M);
+      path.first[axis] = static_cast<float>((step.p[axis] * across - corner) * M);
+      path.per_step[axis] = static_cast<float>(ray_.direction[axis] * t_step * across * M);
     }
-    for (std::int64_t i = 0; i < steps; ++i) {
-      const Vec3f q = p + static_cast<float>(i) * dp;
-      const float value = brick::sample<M>(voxels, q);
-      const auto at = frame.function.place(value);
-      const float opacity = frame.function.opacity(at, step_level);
-      ++state.samples;
-      if (opacity <= 0) continue;
-      Vec3f color = frame.function.color(at);
-      if (frame.lighting.enabled) color = lit(color, brick::gradient<M>(voxels, q));
-      add(state, color, opacity);
-      if (state.phase == RayPhase::finished) return;
-    }
+    return path;
   }
 
-  GVX_HD Vec3f lit(Vec3f color, Vec3f gradient_voxel) const {
-    const float steep = length(gradient_voxel);
-    const Vec3f gradient_world = Vec3f(view_.frame.world_to_tree.transposed_vector(Vec3d(gradient_voxel)));
-    return scene::shade<float>(view_.frame.lighting, color, gradient_world,
-                               steep / (steep + view_.frame.soft_gradient), to_eye_, view_.frame.to_light);
+  GVX_HD Stretch<Voxel, M> stretch_of(const Step& step, const Place& place, int step_level, double t_step,
+                                      std::int64_t steps) const {
+    Stretch<Voxel, M> s;
+    s.steps = steps;
+    s.level = step_level;
+    s.t_centre = step.t_centre;
+    s.t_step = t_step;
+    s.fine = path_in(place.slot, place.brick_level, step, place, t_step);
+    s.fine_deviates = place.brick_level < view_.frame.max_level;
+    s.blended = place.blended;
+    if (s.blended) s.coarse = path_in(place.parent_slot, place.level - 1, step, place, t_step);
+    return s;
+  }
+
+  GVX_HD void gather(RayState& state, const Stretch<Voxel, M>& s) const {
+    const FrameView& frame = view_.frame;
+    const RayView ray = ray_view();
+    switch (frame.format.content) {
+      case VoxelContent::scalar:
+        if (projects()) return project_stretch(ray, s, state);
+        if (frame.visibility.mode == scene::Mode::isosurface) return find_surface(ray, s, state);
+        if (frame.visibility.channels == 1) return composite_scalars<1>(ray, s, state);
+        return composite_scalars<kMaxChannels>(ray, s, state);
+      case VoxelContent::labels:
+        if constexpr (!std::is_same_v<Voxel, float>) composite_labels(ray, s, state);
+        return;
+      case VoxelContent::color:
+        if constexpr (std::is_same_v<Voxel, std::uint8_t>) composite_colors<false>(ray, s, state);
+        return;
+      case VoxelContent::color_normal:
+        if constexpr (std::is_same_v<Voxel, std::uint8_t>) composite_colors<true>(ray, s, state);
+        return;
+    }
   }
 
   const PassView<Voxel, N, M>& view_;
+  Ray ray_world_;
   Ray ray_;             // in tree space; t is the distance in the world
-  Vec3f to_eye_;        // in the world
   RayInterval inside_;  // of the visible volume
 };
 

@@ -11,8 +11,12 @@ namespace gvx::render::kernels {
 
 template <typename Voxel, int N, int M>
 PassView<Voxel, N, M> view_of(const Pass& pass) {
-  return {pass.frame,      pass.nodes,       {static_cast<const Voxel*>(pass.voxels)},
-          pass.tile_usage, pass.brick_usage, pass.requests,
+  return {pass.frame,
+          pass.nodes,
+          {pass.bricks, brick_bytes(pass.frame.format, M), pass.frame.format.planes},
+          pass.tile_usage,
+          pass.brick_usage,
+          pass.requests,
           pass.number};
 }
 
@@ -23,15 +27,17 @@ struct MarchExact {
   exec::BufferView<RayState> rays;
   exec::BufferView<std::uint32_t> unfinished;
   std::uint32_t epoch;
+  std::uint64_t lone_ray;
 
   GVX_HD void operator()(std::uint32_t x, std::uint32_t y) const {
-    RayState& ray = rays[std::size_t(y) * view.frame.width + x];
+    const std::size_t index = std::size_t(y) * view.frame.width + x;
+    RayState& ray = rays[index];
     if (ray.epoch != epoch) {
       ray = RayState{};
       ray.epoch = epoch;
     }
     if (ray.phase == RayPhase::finished) return;
-    RayMarcher<Voxel, N, M>(view, x, y).march_exact(ray);
+    if (lone_ray == Pass::kAllRays || lone_ray == index) RayMarcher<Voxel, N, M>(view, x, y).march_exact(ray);
     if (ray.phase != RayPhase::finished) exec::store_relaxed(&unfinished[grid.tile_of(x, y)], 1);
   }
 };
@@ -81,7 +87,7 @@ bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid gr
                  exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
   return with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
     return exec::for_each_pixel(device, "march_exact", grid, tiles, deadline,
-                                MarchExact<Voxel, N, M>{view, grid, rays, unfinished, pass.epoch});
+                                MarchExact<Voxel, N, M>{view, grid, rays, unfinished, pass.epoch, pass.lone_ray});
   });
 }
 

@@ -14,7 +14,7 @@ GVX_INSTANTIATE_MARCH(extern, float)
 bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
                  exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
                  exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
-  return with_voxel_type(pass.type, [&](auto zero) {
+  return with_voxel_type(pass.frame.format.type, [&](auto zero) {
     return kernels::march_exact<decltype(zero)>(device, pass, grid, tiles, deadline, rays, unfinished);
   });
 }
@@ -23,7 +23,7 @@ bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid 
                    exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
                    std::uint32_t generation, exec::BufferView<const RayState> rays,
                    exec::BufferView<PreviewPixel> pixels) {
-  return with_voxel_type(pass.type, [&](auto zero) {
+  return with_voxel_type(pass.frame.format.type, [&](auto zero) {
     return kernels::march_preview<decltype(zero)>(device, pass, grid, tiles, deadline, block, generation,
                                                   rays, pixels);
   });

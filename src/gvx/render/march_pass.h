@@ -3,6 +3,7 @@
 /// of a tree.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "gvx/cache/request_marks.h"
@@ -17,17 +18,20 @@
 
 namespace gvx::render {
 
-/// What a pass works on; the type, n and m say what the bricks are.
+/// What a pass works on; the frame's voxel format, n and m say what the bricks are.
 struct Pass {
-  VoxelType type = VoxelType::u8;
   std::uint32_t n = 2, m = 16;
   FrameView frame;
   tree::NodePoolView nodes;
-  const void* voxels = nullptr;  ///< of the brick pool
+  const std::byte* bricks = nullptr;  ///< all slots of the brick pool
   cache::UsageView tile_usage, brick_usage;
   cache::RequestView requests;
   std::uint32_t number = 0;  ///< the stamp of this pass
   std::uint32_t epoch = 0;   ///< of the film
+  /// If not kAllRays, the one ray that marches, y * width + x: where memory does not hold what two need.
+  std::uint64_t lone_ray = kAllRays;
+
+  static constexpr std::uint64_t kAllRays = UINT64_MAX;
 };
 
 /// Marches the exact rays of the listed tiles; sets unfinished[tile] = 1 where a ray of the tile is not

@@ -1,43 +1,97 @@
 /// \file
-/// Lighting: Blinn-Phong on the gradient, from one distant light that goes with the camera.
+/// Lighting: Blinn-Phong on the gradient. Both sides of a surface are lit; there are no shadows.
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 
 #include "gvx/core/vec.h"
 
 namespace gvx::scene {
 
-/// Weights of the terms; ambient + diffuse = 1 keeps a surface that faces the light at its own colour.
+enum class LightKind : std::uint32_t {
+  camera,       ///< far away, in a direction that goes with the camera: x right, y up, z towards the viewer
+  directional,  ///< far away, in a direction of the world
+  point         ///< at a place of the world, as bright at every distance
+};
+
+struct Light {
+  LightKind kind = LightKind::camera;
+  Vec3d place{-0.6, 0.7, 1};  ///< the direction to the light, or its place; by default over the left shoulder
+  Vec3f color{1, 1, 1};
+
+  constexpr bool operator==(const Light&) const = default;
+};
+
+/// Weights of the terms, and the lights; ambient + diffuse = 1 keeps a surface that faces one white light at
+/// its own colour.
 struct Lighting {
+  static constexpr int kMostLights = 8;
+
   bool enabled = true;
   float ambient = 0.25f;
   float diffuse = 0.75f;
   float specular = 0.2f;
   float shininess = 32;
+  int lights = 1;
+  Light light[kMostLights];
 
   constexpr bool operator==(const Lighting&) const = default;
 };
 
-/// The direction to the light: over the viewer's left shoulder.
-GVX_HD inline Vec3d direction_to_light(Vec3d forward, Vec3d right, Vec3d up) {
-  return normalize(-forward - 0.6 * right + 0.7 * up);
-}
-
-/// A colour lit at a point with this world-space gradient. `certainty`, 0 to 1, says how much of a surface it
-/// is: homogeneous matter has no normal and keeps its colour. Both sides of a surface are lit.
+/// What lighting does to a colour of some weight (its opacity, say): color * body + weight * glint.
 template <typename Real>
-GVX_HD inline Vec3<Real> shade(const Lighting& lighting, Vec3<Real> color, Vec3<Real> gradient,
-                               Real certainty, Vec3<Real> to_eye, Vec3<Real> to_light) {
-  const Real gradient_length = length(gradient);
-  if (!(gradient_length > Real(0))) return color;
-  const Vec3<Real> normal = gradient / gradient_length;
-  const Vec3<Real> halfway = normalize(to_eye + to_light);
-  const Real facing = std::fabs(dot(normal, to_light));
-  const Real glint = std::pow(std::fabs(dot(normal, halfway)), Real(lighting.shininess));
-  const Real body = Real(lighting.ambient) + Real(lighting.diffuse) * facing;
-  const Real flat = Real(lighting.ambient) + Real(lighting.diffuse);
-  return color * (flat + certainty * (body - flat)) + Vec3<Real>(certainty * Real(lighting.specular) * glint);
+struct Shade {
+  Vec3<Real> body{Real(1), Real(1), Real(1)};
+  Vec3<Real> glint;
+};
+
+/// Lighting as kernels take it: the lights of one frame in world space.
+struct LightingView {
+  Lighting lighting;
+  Vec3d place[Lighting::kMostLights];  ///< unit directions to the lights, or places of point lights
+
+  /// At a point with this gradient, in world space; to_eye is a unit vector. `certainty`, 0 to 1, says how
+  /// much of a surface it is: homogeneous matter has no normal and is lit from all sides alike.
+  template <typename Real>
+  GVX_HD Shade<Real> shade(Vec3<Real> gradient, Real certainty, Vec3<Real> to_eye, Vec3<Real> point) const {
+    Shade<Real> shade;
+    if (!lighting.enabled) return shade;
+    const Real steepness = length(gradient);
+    const bool has_normal = steepness > Real(0);
+    const Vec3<Real> normal = has_normal ? gradient / steepness : gradient;
+    shade.body = Vec3<Real>(Real(lighting.ambient));
+    for (int i = 0; i < lighting.lights; ++i) {
+      const Light& light = lighting.light[i];
+      const Vec3<Real> color(light.color);
+      Vec3<Real> to_light(place[i]);
+      if (light.kind == LightKind::point) to_light = normalize(to_light - point);
+      Real facing = Real(1);
+      if (has_normal) {
+        facing = Real(1) + certainty * (std::fabs(dot(normal, to_light)) - Real(1));
+        const Real half = std::fabs(dot(normal, normalize(to_eye + to_light)));
+        const Real glint = certainty * Real(lighting.specular) * std::pow(half, Real(lighting.shininess));
+        shade.glint = shade.glint + glint * color;
+      }
+      shade.body = shade.body + Real(lighting.diffuse) * facing * color;
+    }
+    return shade;
+  }
+};
+
+/// The lights where they are in a frame whose camera has these axes.
+inline LightingView place_lights(const Lighting& lighting, Vec3d forward, Vec3d right, Vec3d up) {
+  LightingView view;
+  view.lighting = lighting;
+  for (int i = 0; i < lighting.lights; ++i) {
+    const Light& light = lighting.light[i];
+    const Vec3d p = light.place;
+    view.place[i] = light.kind == LightKind::point ? p
+                    : light.kind == LightKind::directional
+                        ? normalize(p)
+                        : normalize(p.x * right + p.y * up - p.z * forward);
+  }
+  return view;
 }
 
 }  // namespace gvx::scene

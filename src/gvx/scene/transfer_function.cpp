@@ -1,6 +1,7 @@
 #include "gvx/scene/transfer_function.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace gvx::scene {
@@ -26,6 +27,17 @@ Vec3d TransferFunction::color(double value) const {
 
 double TransferFunction::opacity(double value) const {
   return interpolate(opacities, value, &OpacityPoint::opacity);
+}
+
+double TransferFunction::gradient_factor(double gradient) const {
+  if (gradients.empty()) return 1;
+  const auto after = std::upper_bound(gradients.begin(), gradients.end(), gradient,
+                                      [](double g, const GradientPoint& p) { return g < p.gradient; });
+  if (after == gradients.begin()) return gradients.front().factor;
+  if (after == gradients.end()) return gradients.back().factor;
+  const auto before = after - 1;
+  const double weight = (gradient - before->gradient) / (after->gradient - before->gradient);
+  return before->factor + weight * (after->factor - before->factor);
 }
 
 bool TransferFunction::transparent(double minimum, double maximum) const {
@@ -57,34 +69,116 @@ Status check(const TransferFunction& function) {
       return bad("opacity", i, "is below the one before it");
     if (!(p.opacity >= 0 && p.opacity <= 1)) return bad("opacity", i, "is outside 0 to 1");
   }
+  for (std::size_t i = 0; i < function.gradients.size(); ++i) {
+    const GradientPoint& p = function.gradients[i];
+    if (!(p.gradient >= 0) || !std::isfinite(p.gradient)) return bad("gradient", i, "is not 0 or more");
+    if (i > 0 && p.gradient < function.gradients[i - 1].gradient)
+      return bad("gradient", i, "is below the one before it");
+    if (!(p.factor >= 0 && p.factor <= 1)) return bad("gradient", i, "has a factor outside 0 to 1");
+  }
   if (!(function.unit_distance >= 0) || !std::isfinite(function.unit_distance)) {
     return Error{"transfer function: the unit distance must be a length, or 0 for one voxel"};
   }
   return {};
 }
 
-TransferTable bake(const TransferFunction& function, double scale, double offset,
-                   std::span<const double> step_units) {
+namespace {
+
+// Of an opaque label: nothing is seen through a thousandth of the unit distance.
+constexpr double kOpaqueLabel = 8000;
+
+/// The function's matter at a physical value.
+Matter matter_at(const TransferFunction& function, double value, double most_extinction) {
+  const double extinction = std::min(-std::log1p(-function.opacity(value)), most_extinction);
+  return {Vec3f(extinction * function.color(value)), static_cast<float>(extinction)};
+}
+
+void count_visible(TransferTable& table) {
+  table.visible_before.push_back(0);
+  for (const Matter& m : table.matter) {
+    table.visible_before.push_back(table.visible_before.back() + (m.extinction > 0 ? 1 : 0));
+  }
+}
+
+}  // namespace
+
+TransferView TransferTable::view() const {
+  TransferView v;
+  v.matter = matter.data();
+  v.integral = integral.data();
+  v.visible_before = visible_before.data();
+  v.gradient_factor = gradient_factor.empty() ? nullptr : gradient_factor.data();
+  v.entries = static_cast<int>(matter.size());
+  v.integral_unit = integral_unit;
+  v.to_entry_scale = to_entry_scale;
+  v.to_entry_offset = to_entry_offset;
+  v.to_gradient_entry = to_gradient_entry;
+  return v;
+}
+
+TransferTable bake(const TransferFunction& function, double scale, double offset, double most_extinction) {
   constexpr int kEntries = TransferView::kEntries;
+  constexpr int kParts =
+      4;  // of the way between two entries, so that a step between them is integrated right
   const double first = std::min(function.colors.front().value, function.opacities.front().value);
   double last = std::max(function.colors.back().value, function.opacities.back().value);
   if (!(last > first)) last = first + std::max(1.0, std::abs(first)) * 1e-6;
+  const double width = (last - first) / (kEntries - 1);
   TransferTable table;
-  table.to_entry_scale = static_cast<float>(scale * (kEntries - 1) / (last - first));
-  table.to_entry_offset = static_cast<float>((offset - first) * (kEntries - 1) / (last - first));
-  table.opaque_before.push_back(0);
-  std::vector<double> opacities;
+  table.to_entry_scale = static_cast<float>(scale / width);
+  table.to_entry_offset = static_cast<float>((offset - first) / width);
+  double greatest = 0;
   for (int i = 0; i < kEntries; ++i) {
-    const double value = first + (last - first) * i / (kEntries - 1);
-    table.colors.push_back(Vec3f(function.color(value)));
-    opacities.push_back(function.opacity(value));
-    table.opaque_before.push_back(table.opaque_before.back() + (opacities.back() > 0 ? 1 : 0));
+    table.matter.push_back(matter_at(function, first + i * width, most_extinction));
+    greatest = std::max(greatest, static_cast<double>(table.matter.back().extinction));
   }
-  for (const double units : step_units) {
-    for (const double opacity : opacities) {
-      table.opacities.push_back(static_cast<float>(-std::expm1(units * std::log1p(-opacity))));
+  count_visible(table);
+  // The whole integral takes at most half of the numbers there are.
+  table.integral_unit = static_cast<float>(std::max(greatest, 1e-30) * kEntries / 0x1p31);
+  std::array<double, 4> sum{};
+  for (int i = 0; i < kEntries; ++i) {
+    TransferView::Integral& integral = table.integral.emplace_back();
+    for (std::size_t c = 0; c < 4; ++c) {
+      integral.part[c] = static_cast<std::uint32_t>(std::llround(sum[c] / double(table.integral_unit)));
+    }
+    for (int k = 0; k < kParts; ++k) {
+      const double value = first + (i + (k + 0.5) / kParts) * width;
+      const Matter m = matter_at(function, value, most_extinction);
+      const double parts[4] = {m.color.x, m.color.y, m.color.z, m.extinction};
+      for (std::size_t c = 0; c < 4; ++c) sum[c] += std::min(parts[c], greatest) / kParts;
     }
   }
+  if (!function.gradients.empty()) {
+    const double steepest = std::max(function.gradients.back().gradient, 1e-30);
+    for (int i = 0; i < TransferView::kGradientEntries; ++i) {
+      const double gradient = steepest * i / (TransferView::kGradientEntries - 1);
+      table.gradient_factor.push_back(static_cast<float>(function.gradient_factor(gradient)));
+    }
+    table.to_gradient_entry =
+        static_cast<float>(std::abs(scale) * (TransferView::kGradientEntries - 1) / steepest);
+  }
+  return table;
+}
+
+TransferTable bake_labels(const TransferFunction& function, double scale, double offset,
+                          std::uint32_t labels) {
+  TransferTable table;
+  table.to_entry_scale = 1;
+  for (std::uint32_t label = 0; label < std::max(labels, 2u); ++label) {
+    table.matter.push_back(matter_at(function, scale * label + offset, kOpaqueLabel));
+  }
+  table.integral.resize(table.matter.size());
+  count_visible(table);
+  return table;
+}
+
+TransferTable bake_opacities() {
+  TransferTable table;
+  table.to_entry_scale = 1;
+  table.matter.assign(256, Matter{{}, 1});
+  table.matter[0] = {};
+  table.integral.resize(table.matter.size());
+  count_visible(table);
   return table;
 }
 

@@ -28,6 +28,13 @@ struct OpacityPoint {
   constexpr bool operator==(const OpacityPoint&) const = default;
 };
 
+struct GradientPoint {
+  double gradient;  ///< physical values per world unit, from 0
+  double factor;    ///< 0 to 1, of the extinction
+
+  constexpr bool operator==(const GradientPoint&) const = default;
+};
+
 /// Values are physical (Hounsfield units for a CT). Beyond its first and last points a curve stays as it is
 /// there.
 struct TransferFunction {
@@ -35,9 +42,13 @@ struct TransferFunction {
   std::vector<OpacityPoint> opacities;  ///< ascending, at least one; two points of one value make a step
   /// The thickness that the opacities are of, in world units; 0 takes the smallest voxel spacing.
   double unit_distance = 0;
+  /// Ascending; if not empty the extinction is multiplied by the factor at the gradient's length, so that
+  /// only boundaries remain.
+  std::vector<GradientPoint> gradients = {};
 
   Vec3d color(double value) const;
   double opacity(double value) const;
+  double gradient_factor(double gradient) const;
   /// Is the opacity zero at every value from `minimum` to `maximum`?
   bool transparent(double minimum, double maximum) const;
 
@@ -47,71 +58,161 @@ struct TransferFunction {
 /// An error that names the first point out of order or out of bounds.
 Status check(const TransferFunction& function);
 
-/// What kernels look up: a stored value v falls on entry v * to_entry_scale + to_entry_offset.
+/// Colour and extinction of matter, per unit distance; the colour is multiplied by the extinction. What a
+/// stretch of length d adds: opacity 1 - exp(-extinction * d), of the colour color / extinction.
+struct Matter {
+  Vec3f color;
+  float extinction = 0;
+};
+
+/// What kernels look up: a stored value v falls on entry v * to_entry_scale + to_entry_offset. Beyond its
+/// ends a table goes on as it is there.
+///
+/// A stretch of a ray is given the mean matter of all values along it, from the running integral of the table
+/// (pre-integration by integral functions: Engel, Kraus, Ertl 2001, section 4.4), so that a function's thin
+/// layer between two samples is not missed. The integrals are fixed-point and wrap around: their differences
+/// stay exact where floats would cancel.
 struct TransferView {
-  const Vec3f* colors = nullptr;
-  const float* opacities = nullptr;  ///< of one step at each level: kEntries per level
-  const std::uint32_t* opaque_before = nullptr;
+  /// A running integral; r, g, b, extinction in multiples of integral_unit.
+  struct Integral {
+    std::uint32_t part[4];
+  };
+
+  const Matter* matter = nullptr;      ///< `entries` of them
+  const Integral* integral = nullptr;  ///< from entry 0 to each entry
+  const std::uint32_t* visible_before =
+      nullptr;  ///< entries + 1: how many entries before this one can be seen
+  const float* gradient_factor =
+      nullptr;  ///< kGradientEntries, or null: factor of the extinction by gradient
+  int entries = 0;
+  float integral_unit = 0;
   float to_entry_scale = 0, to_entry_offset = 0;
+  float to_gradient_entry = 0;  ///< from a gradient in stored values per world unit
 
-  static constexpr int kEntries = 4096;
+  static constexpr int kEntries = 4096;  ///< of a table of scalars; labels have one each
+  static constexpr int kGradientEntries = 256;
 
-  /// The place of a stored value between two entries.
+  GVX_HD float entry_of(float stored) const { return stored * to_entry_scale + to_entry_offset; }
+
+  /// Matter at one entry, linear between two.
+  GVX_HD Matter at(float entry) const {
+    const Place p = place(entry);
+    return mix(matter[p.low], matter[p.low + 1], p.weight);
+  }
+
+  /// The mean matter of the entries from `low` to `high`, which are equally likely.
+  GVX_HD Matter mean(float low, float high) const {
+    if (!(high - low > kNarrow)) return at(0.5f * (low + high));
+    const float last = static_cast<float>(entries - 1);
+    const float a = clamped(low, last), b = clamped(high, last);
+    const Place pa = place(a), pb = place(b);
+    const float below = (high < 0.0f ? high : 0.0f) - (low < 0.0f ? low : 0.0f);
+    const float above = (high > last ? high : last) - (low > last ? low : last);
+    const float width = high - low;
+    const auto part = [&](int i, float first_entry, float last_entry) {
+      const std::uint32_t a0 = integral[pa.low].part[i], a1 = integral[pa.low + 1].part[i];
+      const std::uint32_t b0 = integral[pb.low].part[i], b1 = integral[pb.low + 1].part[i];
+      const float whole = static_cast<float>(b0 - a0) - pa.weight * static_cast<float>(a1 - a0) +
+                          pb.weight * static_cast<float>(b1 - b0);
+      const float sum = whole * integral_unit + below * first_entry + above * last_entry;
+      return sum > 0.0f ? sum / width : 0.0f;
+    };
+    const Matter &f = matter[0], &l = matter[entries - 1];
+    return {{part(0, f.color.x, l.color.x), part(1, f.color.y, l.color.y), part(2, f.color.z, l.color.z)},
+            part(3, f.extinction, l.extinction)};
+  }
+
+  /// Matter of a label.
+  GVX_HD Matter of_label(std::uint32_t label) const {
+    return matter[label < static_cast<std::uint32_t>(entries) ? label
+                                                              : static_cast<std::uint32_t>(entries - 1)];
+  }
+
+  /// What a gradient of this length, in stored values per world unit, multiplies the extinction by.
+  GVX_HD float factor_of_gradient(float steepness) const {
+    float entry = steepness * to_gradient_entry;
+    entry = entry < float(kGradientEntries - 1) ? entry : float(kGradientEntries - 1);
+    int low = static_cast<int>(entry);
+    low = low < kGradientEntries - 2 ? low : kGradientEntries - 2;
+    return gradient_factor[low] +
+           (entry - static_cast<float>(low)) * (gradient_factor[low + 1] - gradient_factor[low]);
+  }
+
+  /// Is every stored value of the range looked up as fully transparent? Conservative: true is certain.
+  GVX_HD bool transparent(ValueRange stored) const {
+    const float last_entry = static_cast<float>(entries - 1);
+    const Place a =
+        place(clamped(entry_of(to_entry_scale >= 0 ? stored.minimum : stored.maximum), last_entry));
+    const Place b =
+        place(clamped(entry_of(to_entry_scale >= 0 ? stored.maximum : stored.minimum), last_entry));
+    // A value on an entry, as all beyond the table's ends are, takes nothing from the entry beside it.
+    const int first = a.low + (a.weight >= 1.0f ? 1 : 0), last = b.low + (b.weight > 0.0f ? 1 : 0);
+    return visible_before[last + 1] == visible_before[first];
+  }
+
+ private:
+  // As wide in entries a stretch's values are taken for one value.
+  static constexpr float kNarrow = 2.0f;
+
+  /// Between two entries.
   struct Place {
     int low;
     float weight;
   };
-  GVX_HD Place place(float stored) const {
-    float entry = stored * to_entry_scale + to_entry_offset;
+  GVX_HD static float clamped(float entry, float last) {
     entry = entry > 0.0f ? entry : 0.0f;
-    entry = entry < float(kEntries - 1) ? entry : float(kEntries - 1);
-    int low = static_cast<int>(entry);
-    low = low < kEntries - 2 ? low : kEntries - 2;
-    return {low, entry - static_cast<float>(low)};
+    return entry < last ? entry : last;
   }
-  GVX_HD float opacity(Place p, int level) const {
-    const float* o = opacities + level * kEntries + p.low;
-    return o[0] + p.weight * (o[1] - o[0]);
+  GVX_HD Place place(float entry) const {
+    const float e = clamped(entry, static_cast<float>(entries - 1));
+    int low = static_cast<int>(e);
+    low = low < entries - 2 ? low : entries - 2;
+    return {low, e - static_cast<float>(low)};
   }
-  GVX_HD Vec3f color(Place p) const { return colors[p.low] + p.weight * (colors[p.low + 1] - colors[p.low]); }
-
-  /// Is every stored value of the range looked up as fully transparent? Conservative: true is certain.
-  GVX_HD bool transparent(ValueRange stored) const {
-    const Place a = place(to_entry_scale >= 0 ? stored.minimum : stored.maximum);
-    const Place b = place(to_entry_scale >= 0 ? stored.maximum : stored.minimum);
-    // A value on an entry, as all beyond the table's ends are, takes nothing from the entry beside it.
-    const int first = a.low + (a.weight >= 1.0f ? 1 : 0), last = b.low + (b.weight > 0.0f ? 1 : 0);
-    return opaque_before[last + 1] == opaque_before[first];
+  GVX_HD static Matter mix(const Matter& a, const Matter& b, float weight) {
+    return {a.color + weight * (b.color - a.color), a.extinction + weight * (b.extinction - a.extinction)};
   }
 };
 
-/// The table's host side: sampled from the function over the values between its outermost points.
+/// The table's host side.
 struct TransferTable {
-  std::vector<Vec3f> colors;     ///< kEntries
-  std::vector<float> opacities;  ///< kEntries per step length
-  std::vector<std::uint32_t>
-      opaque_before;  ///< kEntries + 1: how many entries before this one are not transparent
+  std::vector<Matter> matter;
+  std::vector<TransferView::Integral> integral;
+  std::vector<std::uint32_t> visible_before;
+  std::vector<float> gradient_factor;  ///< empty where the gradient does not matter
+  float integral_unit = 0;
   float to_entry_scale = 0, to_entry_offset = 0;
+  float to_gradient_entry = 0;
 
-  TransferView view() const {
-    return {colors.data(), opacities.data(), opaque_before.data(), to_entry_scale, to_entry_offset};
-  }
+  TransferView view() const;
 };
 
-/// Samples a function for stored values with physical = scale * stored + offset, and for each of
-/// `step_units`, the length of a step in unit distances: the opacity of a step is 1 - (1 -
-/// opacity)^step_units.
-TransferTable bake(const TransferFunction& function, double scale, double offset,
-                   std::span<const double> step_units);
+/// Samples a function over the values between its outermost points, for stored values with physical = scale *
+/// stored + offset. Extinctions are held at `most_extinction`.
+TransferTable bake(const TransferFunction& function, double scale, double offset, double most_extinction);
+
+/// One entry for each of the stored labels 0 to `labels` - 1.
+TransferTable bake_labels(const TransferFunction& function, double scale, double offset,
+                          std::uint32_t labels);
+
+/// For colour voxels, whose ranges are of their opacity: only what is 0 cannot be seen.
+TransferTable bake_opacities();
 
 /// The names that preset() knows.
 std::span<const char* const> preset_names();
+
+/// A colour for each label, told apart as well as can be; 0 is transparent.
+TransferFunction label_colors(std::uint32_t labels);
 
 /// What is known of a volume when no transfer function is given.
 struct ValueStatistics {
   double minimum = 0, maximum = 0;       ///< physical
   std::vector<std::uint64_t> histogram;  ///< equal bins from minimum to maximum; may be empty
 };
+
+/// Statistics of stored values, in physical ones.
+ValueStatistics physical_statistics(ValueRange stored, std::vector<std::uint64_t> histogram, double scale,
+                                    double offset);
 
 /// A ready transfer function by name; "gray" fits itself to the statistics, the CT presets speak of
 /// Hounsfield units.

@@ -34,25 +34,63 @@ TEST(TransferFunction, transparent_is_about_the_whole_range) {
 TEST(TransferTable, agrees_with_the_function_between_its_entries) {
   const TransferFunction f = tent();
   const double scale = 0.5, offset = -20;
-  const std::vector<double> steps = {1.0, 0.5};
-  const TransferTable table = bake(f, scale, offset, steps);
+  const TransferTable table = bake(f, scale, offset, 16);
   const TransferView view = table.view();
   for (double physical = -60; physical < 100; physical += 0.37) {
     if (std::abs(physical - 80) < 0.1) continue;  // the step is as wide as one entry
-    const auto place = view.place(static_cast<float>((physical - offset) / scale));
+    const Matter m = view.at(view.entry_of(static_cast<float>((physical - offset) / scale)));
     const double opacity = f.opacity(physical);
-    EXPECT_NEAR(view.opacity(place, 0), opacity, 2e-3);
-    EXPECT_NEAR(view.opacity(place, 1), 1 - std::sqrt(1 - opacity), 2e-3);
-    EXPECT_NEAR(view.color(place).x, f.color(physical).x, 1e-3);
+    EXPECT_NEAR(1 - std::exp(-m.extinction), opacity, 2e-3);
+    if (m.extinction > 0.01f) {
+      EXPECT_NEAR(m.color.x / m.extinction, f.color(physical).x, 1e-3);
+    }
+  }
+}
+
+TEST(TransferTable, means_are_those_of_the_function_wherever_the_interval) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> value(-80, 120);
+  for (const double scale : {1.0, 0.01, -2.0}) {
+    const TransferTable table = bake(tent(), scale, 5, 16);
+    const TransferView view = table.view();
+    for (int i = 0; i < 2000; ++i) {
+      double a = value(random), b = value(random);
+      if (i % 4 == 0) b = a + 0.05 * (b - a);
+      const auto entry = [&](double v) { return view.entry_of(static_cast<float>((v - 5) / scale)); };
+      if (entry(a) > entry(b)) std::swap(a, b);
+      double extinction = 0, green = 0;
+      constexpr int kParts = 4000;
+      for (int k = 0; k < kParts; ++k) {
+        const double v = a + (b - a) * (k + 0.5) / kParts;
+        const double e = std::min(16.0, -std::log1p(-tent().opacity(v)));
+        extinction += e / kParts;
+        green += e * tent().color(v).y / kParts;
+      }
+      const Matter m = view.mean(entry(a), entry(b));
+      // A step of the function is placed to a quarter of an entry.
+      const double tolerance = 2e-3 + 16 * 0.02 / std::max(std::abs(b - a), 0.02);
+      ASSERT_NEAR(m.extinction, extinction, tolerance) << a << ' ' << b;
+      ASSERT_NEAR(m.color.y, green, tolerance) << a << ' ' << b;
+    }
+  }
+}
+
+TEST(TransferTable, small_means_survive_large_ones_below_them) {
+  // Floats would lose the faint matter behind a thousand opaque entries.
+  const TransferFunction f = {{{0, {1, 1, 1}}}, {{0, 1}, {500, 1}, {500, 1e-4}, {1000, 1e-4}}, 0};
+  const TransferTable table = bake(f, 1, 0, 16);
+  const TransferView view = table.view();
+  for (float v = 510; v < 980; v += 7.3f) {
+    const Matter m = view.mean(view.entry_of(v), view.entry_of(v + 3));
+    EXPECT_NEAR(m.extinction, 1e-4, 5e-6) << v;
   }
 }
 
 TEST(TransferTable, transparency_is_conservative) {
-  const std::vector<double> steps = {1.0};
   std::mt19937 random(3);
   std::uniform_real_distribution<double> value(-70, 110);
   for (const double scale : {1.0, 0.01, -2.0}) {
-    const TransferTable table = bake(tent(), scale, 5, steps);
+    const TransferTable table = bake(tent(), scale, 5, 16);
     const TransferView view = table.view();
     int transparent = 0;
     for (int i = 0; i < 20000; ++i) {
@@ -62,8 +100,10 @@ TEST(TransferTable, transparency_is_conservative) {
       ++transparent;
       for (int k = 0; k <= 20; ++k) {
         const float stored = range.minimum + (range.maximum - range.minimum) * static_cast<float>(k) / 20;
-        ASSERT_EQ(view.opacity(view.place(stored), 0), 0.0f);
+        ASSERT_EQ(view.at(view.entry_of(stored)).extinction, 0.0f);
       }
+      const float ends[2] = {view.entry_of(range.minimum), view.entry_of(range.maximum)};
+      ASSERT_EQ(view.mean(std::min(ends[0], ends[1]), std::max(ends[0], ends[1])).extinction, 0.0f);
     }
     EXPECT_GT(transparent, 1000);
   }
@@ -71,13 +111,26 @@ TEST(TransferTable, transparency_is_conservative) {
 
 TEST(TransferTable, what_is_beyond_a_transparent_end_is_transparent) {
   // Most of a scan is: air below the first point.
-  const std::vector<double> steps = {1.0};
   const TransferFunction ramp = {{{100, {1, 1, 1}}}, {{100, 0}, {200, 1}}, 0};
-  EXPECT_TRUE(bake(ramp, 1, 0, steps).view().transparent({-1000, 100}));
-  EXPECT_FALSE(bake(ramp, 1, 0, steps).view().transparent({-1000, 101}));
+  EXPECT_TRUE(bake(ramp, 1, 0, 16).view().transparent({-1000, 100}));
+  EXPECT_FALSE(bake(ramp, 1, 0, 16).view().transparent({-1000, 101}));
   const TransferFunction fall = {{{100, {1, 1, 1}}}, {{100, 1}, {200, 0}}, 0};
-  EXPECT_TRUE(bake(fall, 1, 0, steps).view().transparent({200, 5000}));
-  EXPECT_FALSE(bake(fall, 1, 0, steps).view().transparent({199, 5000}));
+  EXPECT_TRUE(bake(fall, 1, 0, 16).view().transparent({200, 5000}));
+  EXPECT_FALSE(bake(fall, 1, 0, 16).view().transparent({199, 5000}));
+}
+
+TEST(TransferTable, labels_are_looked_up_one_by_one) {
+  const TransferFunction colors = label_colors(40);
+  const TransferTable table = bake_labels(colors, 1, 0, 40);
+  const TransferView view = table.view();
+  EXPECT_EQ(view.of_label(0).extinction, 0.0f);
+  for (std::uint32_t label = 1; label < 40; ++label) {
+    const Matter m = view.of_label(label);
+    ASSERT_GT(m.extinction, 0.0f);
+    EXPECT_NEAR(m.color.x / m.extinction, colors.color(label).x, 1e-5);
+  }
+  EXPECT_TRUE(view.transparent({0, 0}));
+  EXPECT_FALSE(view.transparent({0, 1}));
 }
 
 TEST(TransferFunction, check_names_the_point) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 
 #include "gvx/scene/transfer_function.h"
@@ -71,6 +72,33 @@ TransferFunction solid(const ValueStatistics& s) {
 
 std::span<const char* const> preset_names() {
   return kNames;
+}
+
+TransferFunction label_colors(std::uint32_t labels) {
+  // Hues a golden section apart, three degrees of lightness in turn.
+  constexpr double kGolden = 0.618033988749895;
+  TransferFunction function;
+  function.opacities = {{0, 0}, {0.5, 0}, {0.5, 0.9}};
+  for (std::uint32_t label = 0; label < std::max(labels, 1u); ++label) {
+    const double hue = 6 * std::fmod(0.1 + kGolden * label, 1.0), light = 0.95 - 0.2 * (label / 7 % 3);
+    const auto part = [&](double shift) {
+      const double h = std::fmod(hue + shift, 6.0);
+      return light * (0.25 + 0.75 * std::clamp(std::abs(h - 3) - 1, 0.0, 1.0));
+    };
+    function.colors.push_back({double(label), {part(0), part(4), part(2)}});
+  }
+  return function;
+}
+
+ValueStatistics physical_statistics(ValueRange stored, std::vector<std::uint64_t> histogram, double scale,
+                                    double offset) {
+  ValueStatistics statistics{scale * stored.minimum + offset, scale * stored.maximum + offset,
+                             std::move(histogram)};
+  if (statistics.minimum > statistics.maximum) {
+    std::swap(statistics.minimum, statistics.maximum);
+    std::reverse(statistics.histogram.begin(), statistics.histogram.end());
+  }
+  return statistics;
 }
 
 Result<TransferFunction> preset(const std::string& name, const ValueStatistics& statistics) {

@@ -1,5 +1,6 @@
 #include "gvx/store/codec.h"
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
 
@@ -12,18 +13,20 @@ namespace {
 // Level 1: higher levels gain a few per cent of size on noisy scans and cost a multiple of the time.
 constexpr int kZstdLevel = 1;
 
-void split_planes(std::size_t element_bytes, std::span<const std::byte> in, std::byte* out) {
-  const std::size_t count = in.size() / element_bytes;
-  for (std::size_t plane = 0; plane < element_bytes; ++plane) {
-    for (std::size_t i = 0; i < count; ++i) out[plane * count + i] = in[i * element_bytes + plane];
+void split_planes(BlockLayout layout, std::span<const std::byte> in, std::byte* out) {
+  const std::size_t width = layout.element_bytes, count = layout.elements;
+  for (std::size_t plane = 0; plane < width; ++plane) {
+    for (std::size_t i = 0; i < count; ++i) out[plane * count + i] = in[i * width + plane];
   }
+  std::copy(in.begin() + static_cast<std::ptrdiff_t>(width * count), in.end(), out + width * count);
 }
 
-void join_planes(std::size_t element_bytes, const std::byte* in, std::span<std::byte> out) {
-  const std::size_t count = out.size() / element_bytes;
-  for (std::size_t plane = 0; plane < element_bytes; ++plane) {
-    for (std::size_t i = 0; i < count; ++i) out[i * element_bytes + plane] = in[plane * count + i];
+void join_planes(BlockLayout layout, const std::byte* in, std::span<std::byte> out) {
+  const std::size_t width = layout.element_bytes, count = layout.elements;
+  for (std::size_t plane = 0; plane < width; ++plane) {
+    for (std::size_t i = 0; i < count; ++i) out[i * width + plane] = in[plane * count + i];
   }
+  std::copy(in + width * count, in + out.size(), out.begin() + static_cast<std::ptrdiff_t>(width * count));
 }
 
 /// Contexts are costly to make; each thread keeps its own.
@@ -41,16 +44,16 @@ ZSTD_DCtx* decompression_context() {
 
 }  // namespace
 
-void compress(Codec codec, std::size_t element_bytes, std::span<const std::byte> raw,
+void compress(Codec codec, BlockLayout layout, std::span<const std::byte> raw,
               std::vector<std::byte>& compressed) {
   if (codec == Codec::none) {
     compressed.assign(raw.begin(), raw.end());
     return;
   }
   thread_local std::vector<std::byte> planes;
-  if (element_bytes > 1) {
+  if (layout.element_bytes > 1) {
     planes.resize(raw.size());
-    split_planes(element_bytes, raw, planes.data());
+    split_planes(layout, raw, planes.data());
     raw = planes;
   }
   if (codec == Codec::zstd) {
@@ -70,7 +73,7 @@ void compress(Codec codec, std::size_t element_bytes, std::span<const std::byte>
   }
 }
 
-Status decompress(Codec codec, std::size_t element_bytes, std::span<const std::byte> compressed,
+Status decompress(Codec codec, BlockLayout layout, std::span<const std::byte> compressed,
                   std::span<std::byte> raw) {
   const auto wrong_size = [&] {
     return Error{std::string("a block is not ") + codec_name(codec) + " of " + std::to_string(raw.size()) +
@@ -83,7 +86,7 @@ Status decompress(Codec codec, std::size_t element_bytes, std::span<const std::b
   }
   thread_local std::vector<std::byte> planes;
   std::byte* target = raw.data();
-  if (element_bytes > 1) {
+  if (layout.element_bytes > 1) {
     planes.resize(raw.size());
     target = planes.data();
   }
@@ -97,7 +100,7 @@ Status decompress(Codec codec, std::size_t element_bytes, std::span<const std::b
                             static_cast<int>(compressed.size()), static_cast<int>(raw.size()));
     if (bytes < 0 || static_cast<std::size_t>(bytes) != raw.size()) return wrong_size();
   }
-  if (element_bytes > 1) join_planes(element_bytes, planes.data(), raw);
+  if (layout.element_bytes > 1) join_planes(layout, planes.data(), raw);
   return {};
 }
 

@@ -11,14 +11,19 @@
 
 namespace gvx::store {
 
-/// Appends the compressed form of `raw`, whose elements are `element_bytes` wide, to `compressed`, which is
-/// cleared first. Elements wider than a byte are split into planes of equal significance before they are
-/// compressed.
-void compress(Codec codec, std::size_t element_bytes, std::span<const std::byte> raw,
+/// What a block holds: `elements` numbers of `element_bytes` each, and after them single bytes.
+struct BlockLayout {
+  std::size_t element_bytes = 1;
+  std::size_t elements = 0;
+};
+
+/// Replaces `compressed` by the compressed form of `raw`. Elements wider than a byte are split into planes of
+/// equal significance before they are compressed.
+void compress(Codec codec, BlockLayout layout, std::span<const std::byte> raw,
               std::vector<std::byte>& compressed);
 
 /// Fills `raw`, whose size is known, from its compressed form; an error where the bytes are not of that form.
-Status decompress(Codec codec, std::size_t element_bytes, std::span<const std::byte> compressed,
+Status decompress(Codec codec, BlockLayout layout, std::span<const std::byte> compressed,
                   std::span<std::byte> raw);
 
 }  // namespace gvx::store

@@ -48,6 +48,15 @@ std::uint64_t TreeShape::pages_before(std::uint32_t level) const {
   return pages;
 }
 
+std::uint64_t TreeShape::nodes() const {
+  std::uint64_t all = 0;
+  for (std::uint32_t level = 0; level < levels; ++level) {
+    const Vec3i here = level_nodes(level);
+    all += static_cast<std::uint64_t>(here.x * here.y * here.z);
+  }
+  return all;
+}
+
 std::string node_name(const NodeKey& key) {
   return "node (level " + std::to_string(key.level) + ": " + std::to_string(key.x) + ", " +
          std::to_string(key.y) + ", " + std::to_string(key.z) + ")";

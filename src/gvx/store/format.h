@@ -1,8 +1,8 @@
 /// \file
-/// The .gvx store on disk, version 1. docs/store-format.md is the specification; these structs are its bytes.
+/// The .gvx store on disk, version 2. docs/store-format.md is the specification; these structs are its bytes.
 ///
 ///     offset 0     FileHeader, 256 bytes, little-endian, written last
-///     256 ..       bricks, each (M+2)^3 voxels, x fastest, compressed on its own,
+///     256 ..       bricks, laid out as core/voxel.h draws them, each compressed on its own,
 ///                  and between them index pages, each 8^3 NodeRecords, compressed
 ///     directory    a PageEntry for every page of every level: level 0 first, then x fastest
 ///     metadata     JSON: the source's name, its orientation's meaning, the histogram
@@ -29,7 +29,7 @@ namespace gvx::store {
 static_assert(std::endian::native == std::endian::little, "the store's structs are its bytes");
 
 inline constexpr std::array<char, 8> kMagic = {'G', 'V', 'X', 'S', 'T', 'O', 'R', 'E'};
-inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint32_t kVersion = 2;
 /// Nodes along an edge of an index page.
 inline constexpr std::uint32_t kPageEdge = 8;
 inline constexpr std::uint32_t kPageNodes = kPageEdge * kPageEdge * kPageEdge;
@@ -53,26 +53,28 @@ struct FileHeader {
   double voxel_to_world[12];  ///< three columns and the origin of an Affine3
   double scale;               ///< physical value = scale * stored value + offset
   double offset;
-  ValueRange range;  ///< of all stored values
+  ValueRange range;  ///< of all stored values of the first channel
   std::uint64_t directory_offset, directory_bytes, directory_checksum;
   std::uint64_t metadata_offset, metadata_bytes, metadata_checksum;
   std::uint64_t file_bytes;
-  std::uint64_t reserved;
+  std::uint32_t content;          ///< VoxelContent
+  std::uint32_t planes;           ///< numbers a voxel
   std::uint64_t header_checksum;  ///< of the bytes before it
 };
 static_assert(sizeof(FileHeader) == 256);
 
-/// What the index says of one node.
+/// What the index says of one node. Its ranges hold the voxels of its brick, of all bricks below it, and of a
+/// rim of n voxels around each: so also whatever the coarser level, blended in, can show within the node.
+/// Colour voxels have the range of their opacity there, from 0.
 struct NodeRecord {
-  std::uint64_t offset;  ///< of its compressed brick in the file
-  std::uint32_t
-      bytes;  ///< of its compressed brick; 0: the node's whole subtree is the constant range.minimum
+  std::uint64_t offset;    ///< of its compressed brick in the file
+  std::uint32_t bytes;     ///< of its compressed brick; 0: all of the node is ranges.at_minimum()
   std::uint32_t checksum;  ///< of the compressed brick
-  ValueRange range;        ///< of every voxel, border included, of its brick and of all bricks below it
+  ChannelRanges ranges;
 
   bool constant() const { return bytes == 0; }
 };
-static_assert(sizeof(NodeRecord) == 24);
+static_assert(sizeof(NodeRecord) == 48);
 
 /// Where an index page is.
 struct PageEntry {
@@ -113,8 +115,8 @@ struct TreeShape {
   std::uint64_t pages_before(std::uint32_t level) const;
   /// Does the node hold voxels of the volume?
   bool contains(const NodeKey& key) const;
-  /// Voxels of a brick with its border: (m + 2)^3.
-  std::size_t brick_voxels() const { return std::size_t(m + 2) * (m + 2) * (m + 2); }
+  /// Nodes of all levels.
+  std::uint64_t nodes() const;
   /// Voxels along the edge of the tree's cube at the finest level: m * n^(levels-1).
   double cube_voxels() const { return m * nodes_across(static_cast<int>(n), levels - 1); }
 };
@@ -122,17 +124,19 @@ struct TreeShape {
 /// What a store says of its volume.
 struct VolumeInfo {
   TreeShape shape;
-  VoxelType type = VoxelType::u8;
+  VoxelFormat format;
   Codec codec = Codec::zstd;
   /// Voxel space (voxel i covers [i, i+1]) to world space; millimetres, x right, y anterior, z superior if
   /// anatomical.
   Affine3 voxel_to_world;
   bool anatomical = false;
   double scale = 1, offset = 0;  ///< physical value = scale * stored value + offset
-  ValueRange range;              ///< of all stored values
+  ChannelRanges ranges;          ///< of all stored values
   std::string source;            ///< the name of the file it was built from
-  /// Voxels of the finest level in equal bins from range.minimum to range.maximum.
-  std::vector<std::uint64_t> histogram;
+  /// Of each channel: voxels of the finest level in equal bins over its range.
+  std::vector<std::vector<std::uint64_t>> histograms;
+
+  std::size_t brick_bytes() const { return gvx::brick_bytes(format, shape.m); }
 };
 
 }  // namespace gvx::store

@@ -2,40 +2,24 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
 #include "gvx/exec/parallel.h"
 #include "gvx/store/codec.h"
+#include "gvx/store/downsample.h"
+#include "gvx/store/value_histogram.h"
 
 namespace gvx::store {
 namespace {
 
 constexpr std::size_t kBatch = 256;  // bricks compressed together before they are written in order
 
-/// The 16 high bits of a float's or an integer's order-preserving image: fine bins without knowing the range.
-std::size_t fine_bin(std::uint8_t v) {
-  return v;
-}
-std::size_t fine_bin(std::uint16_t v) {
-  return v;
-}
-std::size_t fine_bin(float v) {
-  const auto bits = std::bit_cast<std::uint32_t>(v);
-  return ((bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u) >> 16;
-}
-
-/// The least value of fine bin `bin`.
-template <typename Voxel>
-double fine_bin_value(std::size_t bin) {
-  if constexpr (std::is_same_v<Voxel, float>) {
-    const auto high = static_cast<std::uint32_t>(bin) << 16;
-    return std::bit_cast<float>((high & 0x80000000u) != 0 ? high & 0x7fffffffu : ~high);
-  } else {
-    return static_cast<double>(bin);
-  }
+ChannelRanges nothing(std::uint32_t channels) {
+  ChannelRanges ranges;
+  for (std::uint32_t c = 0; c < channels; ++c) ranges.channel[c] = {INFINITY, -INFINITY};
+  return ranges;
 }
 
 }  // namespace
@@ -45,43 +29,59 @@ template <typename Voxel>
 struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
   struct Level {
     Vec3i dimensions, nodes, pages;
-    std::vector<Voxel> window;  // slice z is at z % (m + 2)
-    std::int64_t slices = 0;    // that have come
-    std::int64_t layers = 0;    // of bricks that were written
+    // Slice z is at z % depth of each window. Variances are of scalars above the finest level.
+    std::vector<std::vector<Voxel>> planes;
+    std::vector<std::vector<float>> variances;
+    std::int64_t slices = 0;  // that have come
+    std::int64_t layers = 0;  // of bricks that were written
     // Ranges of the children of this layer's nodes, joined, and of the next layer's: at the end of a volume
     // children of both come before either is written. Layer z is at z % 2.
-    std::vector<ValueRange> below[2];
+    std::vector<ChannelRanges> below[2];
     std::vector<NodeRecord> records;  // of the current layer of pages
   };
 
   const exec::Device device;
   StoreWriter& writer;
   VolumeInfo info;
+  const VoxelFormat format;
+  const std::int64_t m, n;
   std::vector<Level> levels;
-  std::vector<std::uint64_t> fine_bins = std::vector<std::uint64_t>(65536);
+  std::vector<ValueHistogram<Voxel>> histograms;
 
-  static constexpr ValueRange kNothing{INFINITY, -INFINITY};
-
-  Levels(const exec::Device& cpu, StoreWriter& w, VolumeInfo i) : device(cpu), writer(w), info(std::move(i)) {
+  Levels(const exec::Device& cpu, StoreWriter& w, VolumeInfo i)
+      : device(cpu),
+        writer(w),
+        info(std::move(i)),
+        format(info.format),
+        m(info.shape.m),
+        n(info.shape.n),
+        histograms(format.channels()) {
     const TreeShape& shape = info.shape;
     for (std::uint32_t l = 0; l < shape.levels; ++l) {
       Level level;
       level.dimensions = shape.level_dimensions(l);
       level.nodes = shape.level_nodes(l);
       level.pages = shape.level_pages(l);
-      level.window.resize(static_cast<std::size_t>(level.dimensions.x * level.dimensions.y) * (shape.m + 2));
+      const auto window = static_cast<std::size_t>(level.dimensions.x * level.dimensions.y * depth());
+      level.planes.assign(format.planes, std::vector<Voxel>(window));
+      const bool coarse = l + 1 < shape.levels;
+      if (coarse && format.has_deviations()) {
+        level.variances.assign(format.planes, std::vector<float>(window));
+      }
       for (auto& below : level.below) {
-        below.assign(static_cast<std::size_t>(level.nodes.x * level.nodes.y), kNothing);
+        below.assign(static_cast<std::size_t>(level.nodes.x * level.nodes.y), nothing(format.channels()));
       }
       level.records.resize(static_cast<std::size_t>(level.pages.x * level.pages.y) * kPageNodes);
       levels.push_back(std::move(level));
     }
   }
 
-  std::int64_t m() const { return info.shape.m; }
+  /// Slices of a window: a layer of bricks and a rim of n on both sides.
+  std::int64_t depth() const { return m + 2 * n; }
 
-  Voxel* slice(Level& level, std::int64_t z) {
-    return level.window.data() + z % (m() + 2) * level.dimensions.x * level.dimensions.y;
+  template <typename T>
+  T* slice(std::vector<T>& window, const Level& level, std::int64_t z) {
+    return window.data() + z % depth() * level.dimensions.x * level.dimensions.y;
   }
 
   template <typename Function>
@@ -92,98 +92,231 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
 
   Status push(std::int64_t count, std::span<const std::byte> voxels) override {
     const Vec3i d = info.shape.dimensions;
-    const std::size_t bytes = static_cast<std::size_t>(d.x * d.y) * sizeof(Voxel);
+    const auto area = static_cast<std::size_t>(d.x * d.y);
+    const std::size_t bytes = area * format.planes * sizeof(Voxel);
     GVX_CHECK(voxels.size() == bytes * static_cast<std::size_t>(count));
+    Level& finest = levels.back();
     for (std::int64_t i = 0; i < count; ++i) {
-      const auto from = voxels.subspan(static_cast<std::size_t>(i) * bytes, bytes);
-      Level& finest = levels.back();
       GVX_CHECK(finest.slices < d.z);
-      std::memcpy(slice(finest, finest.slices), from.data(), bytes);
+      const std::byte* from = voxels.data() + static_cast<std::size_t>(i) * bytes;
+      for (std::size_t c = 0; c < format.planes; ++c) {
+        Voxel* to = slice(finest.planes[c], finest, finest.slices);
+        if (format.planes == 1) {
+          std::memcpy(to, from, bytes);
+        } else {
+          for (std::size_t v = 0; v < area; ++v) {
+            std::memcpy(to + v, from + (v * format.planes + c) * sizeof(Voxel), sizeof(Voxel));
+          }
+        }
+      }
       GVX_TRY(slice_came(info.shape.levels - 1));
     }
     return {};
   }
 
-  /// Slice level.slices stands in the window: writes what it completes, then averages for the level above.
+  /// Slice level.slices stands in the window: writes what it completes, then makes one for the level above.
   Status slice_came(std::uint32_t l) {
     Level& level = levels[l];
     const std::int64_t z = level.slices++;
     const bool last = level.slices == level.dimensions.z;
-    if (l + 1 == info.shape.levels) count_values(level, z);
-    while (level.layers < level.nodes.z && (last || z == (level.layers + 1) * m())) GVX_TRY(write_layer(l));
-    if (l > 0 && (last || level.slices % info.shape.n == 0)) {
-      average_into(levels[l - 1], level);
+    if (l + 1 == info.shape.levels) {
+      for (std::uint32_t c = 0; c < format.channels(); ++c) {
+        histograms[c].add(slice(range_plane(level, c), level, z), level.dimensions.x * level.dimensions.y);
+      }
+    }
+    while (level.layers < level.nodes.z && (last || level.slices == (level.layers + 1) * m + n)) {
+      GVX_TRY(write_layer(l));
+    }
+    if (l > 0 && (last || level.slices % n == 0)) {
+      downsample_into(levels[l - 1], level);
       GVX_TRY(slice_came(l - 1));
     }
     return {};
   }
 
-  void count_values(Level& level, std::int64_t z) {
-    // Two tables in turn: equal neighbours would otherwise wait for each other's increment.
-    const Voxel* voxels = slice(level, z);
-    const std::int64_t count = level.dimensions.x * level.dimensions.y;
-    thread_local std::vector<std::uint32_t> odd(65536), even(65536);
-    std::fill(odd.begin(), odd.end(), 0u);
-    std::fill(even.begin(), even.end(), 0u);
-    for (std::int64_t i = 0; i + 1 < count; i += 2) {
-      ++even[fine_bin(voxels[i])];
-      ++odd[fine_bin(voxels[i + 1])];
-    }
-    if (count % 2 != 0) ++even[fine_bin(voxels[count - 1])];
-    for (std::size_t i = 0; i < fine_bins.size(); ++i) fine_bins[i] += even[i] + odd[i];
+  /// The plane that a channel's ranges are of.
+  std::vector<Voxel>& range_plane(Level& level, std::uint32_t channel) {
+    return level.planes[colored() ? 3 : channel];
   }
 
-  /// Averages the newest up to n slices of `from` into the next slice of `to`.
-  void average_into(Level& to, Level& from) {
-    const std::int64_t n = info.shape.n;
-    const std::int64_t z0 = (from.slices - 1) / n * n, z1 = from.slices;
-    Voxel* target = slice(to, to.slices);
+  bool colored() const {
+    return format.content == VoxelContent::color || format.content == VoxelContent::color_normal;
+  }
+
+  /// The newest up to n slices of `from` make the next slice of `to`.
+  void downsample_into(Level& to, Level& from) {
+    const std::int64_t z0 = (from.slices - 1) / n * n;
     parallel(to.dimensions.y, [&](std::int64_t y) {
-      const std::int64_t y1 = std::min((y + 1) * n, from.dimensions.y);
       for (std::int64_t x = 0; x < to.dimensions.x; ++x) {
-        const std::int64_t x1 = std::min((x + 1) * n, from.dimensions.x);
-        using Sum = std::conditional_t<std::is_same_v<Voxel, float>, double, std::uint32_t>;
-        Sum sum = 0;
-        for (std::int64_t zz = z0; zz < z1; ++zz) {
-          for (std::int64_t yy = y * n; yy < y1; ++yy) {
-            const Voxel* row = slice(from, zz) + yy * from.dimensions.x;
-            for (std::int64_t xx = x * n; xx < x1; ++xx) sum += row[xx];
-          }
-        }
-        const auto count = static_cast<Sum>((z1 - z0) * (y1 - y * n) * (x1 - x * n));
-        if constexpr (std::is_same_v<Voxel, float>) {
-          target[y * to.dimensions.x + x] = static_cast<float>(sum / count);
-        } else {
-          target[y * to.dimensions.x + x] = static_cast<Voxel>((sum + count / 2) / count);
+        const Vec3i first(x * n, y * n, z0);
+        const Vec3i last(std::min(first.x + n, from.dimensions.x), std::min(first.y + n, from.dimensions.y),
+                         from.slices);
+        const std::int64_t at = y * to.dimensions.x + x;
+        switch (format.content) {
+          case VoxelContent::scalar:
+            for (std::size_t c = 0; c < format.planes; ++c) average(to, from, c, first, last, at);
+            break;
+          case VoxelContent::labels:
+            vote(to, from, first, last, at);
+            break;
+          default:
+            merge_colors(to, from, first, last, at);
         }
       }
     });
   }
 
-  /// Cuts out the brick of node (nx, ny) of the current layer, border included; returns the range of its
-  /// voxels.
-  ValueRange gather(Level& level, std::int64_t nx, std::int64_t ny, Voxel* brick) {
-    const std::int64_t edge = m() + 2;
+  /// Calls function(row, x0, x1) for the rows of the block first..last of a window.
+  template <typename T, typename Function>
+  void for_each_row(std::vector<T>& window, const Level& level, Vec3i first, Vec3i last, Function function) {
+    for (std::int64_t z = first.z; z < last.z; ++z) {
+      const T* plane = slice(window, level, z);
+      for (std::int64_t y = first.y; y < last.y; ++y) function(plane + y * level.dimensions.x);
+    }
+  }
+
+  void average(Level& to, Level& from, std::size_t c, Vec3i first, Vec3i last, std::int64_t at) {
+    MomentSum<Voxel> sum;
+    const bool finest = from.variances.empty();
+    for (std::int64_t z = first.z; z < last.z; ++z) {
+      const Voxel* values = slice(from.planes[c], from, z);
+      const float* variances = finest ? nullptr : slice(from.variances[c], from, z);
+      for (std::int64_t y = first.y; y < last.y; ++y) {
+        const std::int64_t row = y * from.dimensions.x;
+        for (std::int64_t x = first.x; x < last.x; ++x) {
+          sum.add(values[row + x], finest ? 0.0f : variances[row + x]);
+        }
+      }
+    }
+    const Moments moments = sum.moments();
+    slice(to.planes[c], to, to.slices)[at] = rounded<Voxel>(moments.mean);
+    slice(to.variances[c], to, to.slices)[at] = static_cast<float>(moments.variance);
+  }
+
+  void vote(Level& to, Level& from, Vec3i first, Vec3i last, std::int64_t at) {
+    std::array<Voxel, 27> labels{};
+    std::size_t count = 0;
+    for_each_row(from.planes[0], from, first, last, [&](const Voxel* row) {
+      for (std::int64_t x = first.x; x < last.x; ++x) labels[count++] = row[x];
+    });
+    slice(to.planes[0], to, to.slices)[at] = most_frequent(labels, count);
+  }
+
+  void merge_colors(Level& to, Level& from, Vec3i first, Vec3i last, std::int64_t at) {
+    std::array<Rgba, 27> block{};
+    for (std::size_t c = 0; c < 4; ++c) {
+      std::size_t i = 0;
+      for_each_row(from.planes[c], from, first, last, [&](const Voxel* row) {
+        for (std::int64_t x = first.x; x < last.x; ++x) block[i++][c] = static_cast<float>(row[x]) / 255.0f;
+      });
+    }
+    const Vec3i size = last - first;
+    const Rgba seen = seen_from_all_sides(block, static_cast<int>(size.x), static_cast<int>(size.y),
+                                          static_cast<int>(size.z));
+    for (std::size_t c = 0; c < 4; ++c) {
+      slice(to.planes[c], to, to.slices)[at] =
+          rounded<Voxel>(std::clamp(double(seen[c]) * 255.0, 0.0, 255.0));
+    }
+    for (std::size_t c = 4; c < format.planes; ++c) {
+      MomentSum<Voxel> sum;
+      for_each_row(from.planes[c], from, first, last, [&](const Voxel* row) {
+        for (std::int64_t x = first.x; x < last.x; ++x) sum.add(row[x], 0);
+      });
+      slice(to.planes[c], to, to.slices)[at] = rounded<Voxel>(sum.moments().mean);
+    }
+  }
+
+  /// Cuts out a plane of the brick of node (nx, ny) of the current layer, border included.
+  void gather(Level& level, std::vector<Voxel>& plane, std::int64_t nx, std::int64_t ny, Voxel* brick) {
+    const std::int64_t edge = m + 2, x0 = nx * m - 1;
     const Vec3i d = level.dimensions;
-    Voxel least = std::numeric_limits<Voxel>::max(), greatest = std::numeric_limits<Voxel>::lowest();
     for (std::int64_t k = 0; k < edge; ++k) {
-      const Voxel* from = slice(level, std::clamp(level.layers * m() + k - 1, std::int64_t(0), d.z - 1));
+      const Voxel* from = slice(plane, level, std::clamp(level.layers * m + k - 1, std::int64_t(0), d.z - 1));
       for (std::int64_t j = 0; j < edge; ++j) {
-        const Voxel* row = from + std::clamp(ny * m() + j - 1, std::int64_t(0), d.y - 1) * d.x;
+        const Voxel* row = from + std::clamp(ny * m + j - 1, std::int64_t(0), d.y - 1) * d.x;
         Voxel* to = brick + (k * edge + j) * edge;
-        const std::int64_t x0 = nx * m() - 1;
         if (x0 >= 0 && x0 + edge <= d.x) {
           std::memcpy(to, row + x0, static_cast<std::size_t>(edge) * sizeof(Voxel));
         } else {
           for (std::int64_t i = 0; i < edge; ++i) to[i] = row[std::clamp(x0 + i, std::int64_t(0), d.x - 1)];
         }
-        for (std::int64_t i = 0; i < edge; ++i) {
-          least = std::min(least, to[i]);
-          greatest = std::max(greatest, to[i]);
+      }
+    }
+  }
+
+  /// The deviations of a plane of that brick, as core/voxel.h lays them out.
+  void gather_deviations(Level& level, std::vector<float>& variances, std::int64_t nx, std::int64_t ny,
+                         std::byte* out) {
+    const std::int64_t edge = m / 2 + 2;
+    const Vec3i d = level.dimensions;
+    thread_local std::vector<float> deviations;
+    deviations.resize(static_cast<std::size_t>(edge * edge * edge));
+    float greatest = 0;
+    std::size_t i = 0;
+    const auto pair = [](std::int64_t start, std::int64_t size, std::int64_t out_pair[2]) {
+      for (int s = 0; s < 2; ++s) out_pair[s] = std::clamp(start + s, std::int64_t(0), size - 1);
+    };
+    for (std::int64_t k = -1; k + 1 < edge; ++k) {
+      std::int64_t zs[2], ys[2], xs[2];
+      pair(level.layers * m + 2 * k, d.z, zs);
+      for (std::int64_t j = -1; j + 1 < edge; ++j) {
+        pair(ny * m + 2 * j, d.y, ys);
+        for (std::int64_t h = -1; h + 1 < edge; ++h, ++i) {
+          pair(nx * m + 2 * h, d.x, xs);
+          float sum = 0;
+          for (const std::int64_t z : zs) {
+            const float* plane = slice(variances, level, z);
+            for (const std::int64_t y : ys) sum += plane[y * d.x + xs[0]] + plane[y * d.x + xs[1]];
+          }
+          deviations[i] = std::sqrt(sum / 8);
+          greatest = std::max(greatest, deviations[i]);
         }
       }
     }
-    return {static_cast<float>(least), static_cast<float>(greatest)};
+    const float unit = greatest / (255.0f * 255.0f);
+    std::memcpy(out, &unit, sizeof(unit));
+    for (std::size_t c = 0; c < i; ++c) {
+      const float code = unit > 0 ? std::sqrt(deviations[c] / unit) : 0;
+      out[sizeof(unit) + c] = static_cast<std::byte>(std::min(255.0f, code + 0.5f));
+    }
+  }
+
+  /// The ranges of the node's own voxels and a rim of n around them.
+  ChannelRanges own_ranges(Level& level, std::int64_t nx, std::int64_t ny) {
+    const Vec3i d = level.dimensions, node(nx, ny, level.layers);
+    Vec3i first, last;
+    for (int axis = 0; axis < 3; ++axis) {
+      first[axis] = std::max(node[axis] * m - n, std::int64_t(0));
+      last[axis] = std::min((node[axis] + 1) * m + n, d[axis]);
+    }
+    ChannelRanges ranges;
+    for (std::uint32_t c = 0; c < format.channels(); ++c) {
+      Voxel least = std::numeric_limits<Voxel>::max(), greatest = std::numeric_limits<Voxel>::lowest();
+      for_each_row(range_plane(level, c), level, first, last, [&](const Voxel* row) {
+        for (std::int64_t x = first.x; x < last.x; ++x) {
+          least = std::min(least, row[x]);
+          greatest = std::max(greatest, row[x]);
+        }
+      });
+      ranges.channel[c] = {colored() ? 0 : static_cast<float>(least), static_cast<float>(greatest)};
+    }
+    return ranges;
+  }
+
+  /// Fills `brick` with all planes and deviations of a node.
+  void gather_brick(Level& level, std::int64_t nx, std::int64_t ny, std::span<std::byte> brick) {
+    const auto texels = plane_texels(static_cast<std::size_t>(m));
+    auto* voxels = reinterpret_cast<Voxel*>(brick.data());
+    for (auto& plane : level.planes) {
+      gather(level, plane, nx, ny, voxels);
+      voxels += texels;
+    }
+    auto* deviations = reinterpret_cast<std::byte*>(voxels);
+    std::fill(deviations, brick.data() + brick.size(), std::byte{0});
+    for (auto& variances : level.variances) {
+      gather_deviations(level, variances, nx, ny, deviations);
+      deviations += deviation_bytes(static_cast<std::size_t>(m));
+    }
   }
 
   Status write_layer(std::uint32_t l) {
@@ -191,20 +324,22 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     auto& below = level.below[level.layers % 2];
     const std::size_t count = below.size();
     std::vector<std::vector<std::byte>> compressed(std::min(count, kBatch));
-    std::vector<ValueRange> ranges(count);
+    std::vector<ChannelRanges> ranges(count);
     for (std::size_t first = 0; first < count; first += kBatch) {
       const std::size_t batch = std::min(kBatch, count - first);
       parallel(static_cast<std::int64_t>(batch), [&](std::int64_t i) {
         const std::size_t node = first + static_cast<std::size_t>(i);
-        thread_local std::vector<Voxel> brick;
-        brick.resize(info.shape.brick_voxels());
-        ValueRange range = gather(level, static_cast<std::int64_t>(node) % level.nodes.x,
-                                  static_cast<std::int64_t>(node) / level.nodes.x, brick.data());
-        range.include(below[node]);
-        ranges[node] = range;
+        const auto nx = static_cast<std::int64_t>(node) % level.nodes.x,
+                   ny = static_cast<std::int64_t>(node) / level.nodes.x;
+        ranges[node] = own_ranges(level, nx, ny);
+        ranges[node].include(below[node]);
         auto& bytes = compressed[static_cast<std::size_t>(i)];
         bytes.clear();
-        if (!range.constant()) compress(info.codec, sizeof(Voxel), std::as_bytes(std::span(brick)), bytes);
+        if (ranges[node].constant()) return;
+        thread_local std::vector<std::byte> brick;
+        brick.resize(info.brick_bytes());
+        gather_brick(level, nx, ny, brick);
+        compress(info.codec, {sizeof(Voxel), format.planes * plane_texels(info.shape.m)}, brick, bytes);
       });
       for (std::size_t i = 0; i < batch; ++i) {
         const std::size_t node = first + i;
@@ -216,7 +351,7 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
       }
     }
     pass_ranges_up(l, ranges);
-    std::fill(below.begin(), below.end(), kNothing);
+    std::fill(below.begin(), below.end(), nothing(format.channels()));
     ++level.layers;
     if (level.layers % kPageEdge == 0 || level.layers == level.nodes.z) {
       GVX_TRY(writer.add_page_layer(l, (level.layers - 1) / kPageEdge, level.records));
@@ -232,14 +367,13 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     return level.records[static_cast<std::size_t>((level.layers % kPageEdge * rows + y) * row + x)];
   }
 
-  void pass_ranges_up(std::uint32_t l, const std::vector<ValueRange>& ranges) {
+  void pass_ranges_up(std::uint32_t l, const std::vector<ChannelRanges>& ranges) {
     if (l == 0) {
-      info.range = ranges[0];
+      info.ranges = ranges[0];
       return;
     }
     Level& above = levels[l - 1];
     const Level& level = levels[l];
-    const std::int64_t n = info.shape.n;
     const std::int64_t above_layer = level.layers / n;
     GVX_CHECK(above_layer == above.layers || above_layer == above.layers + 1);
     for (std::int64_t y = 0; y < level.nodes.y; ++y) {
@@ -253,31 +387,28 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
   Status finish() override {
     for (const Level& level : levels)
       GVX_CHECK(level.slices == level.dimensions.z && level.layers == level.nodes.z);
-    const double least = info.range.minimum, width = info.range.maximum - least;
-    info.histogram.assign(kHistogramBins, 0);
-    for (std::size_t i = 0; i < fine_bins.size(); ++i) {
-      if (fine_bins[i] == 0) continue;
-      const double where = width > 0 ? (fine_bin_value<Voxel>(i) - least) / width : 0;
-      const double bin = std::clamp(std::floor(where * kHistogramBins), 0.0, double(kHistogramBins - 1));
-      info.histogram[static_cast<std::size_t>(bin)] += fine_bins[i];
+    for (std::uint32_t c = 0; c < format.channels(); ++c) {
+      info.histograms.push_back(histograms[c].bins(info.ranges.channel[c], kHistogramBins));
     }
     return writer.finish(info);
   }
 };
 
 PyramidBuilder::PyramidBuilder(const exec::Device& cpu, StoreWriter& writer, VolumeInfo info) {
-  steps_ = with_voxel_type(info.type, [&](auto zero) -> std::unique_ptr<Steps> {
+  steps_ = with_voxel_type(info.format.type, [&](auto zero) -> std::unique_ptr<Steps> {
     return std::make_unique<Levels<decltype(zero)>>(cpu, writer, std::move(info));
   });
 }
 
 PyramidBuilder::~PyramidBuilder() = default;
 
-std::uint64_t PyramidBuilder::window_bytes(const TreeShape& shape, VoxelType type) {
+std::uint64_t PyramidBuilder::window_bytes(const TreeShape& shape, VoxelFormat format) {
   double bytes = 0;
   for (std::uint32_t l = 0; l < shape.levels; ++l) {
     const Vec3d d(shape.level_dimensions(l)), pages(shape.level_pages(l));
-    bytes += d.x * d.y * (shape.m + 2) * static_cast<double>(voxel_bytes(type));
+    const bool coarse = l + 1 < shape.levels && format.has_deviations();
+    const std::size_t number = voxel_bytes(format.type) + (coarse ? sizeof(float) : 0);
+    bytes += d.x * d.y * (shape.m + 2 * shape.n) * static_cast<double>(number * format.planes);
     bytes += pages.x * pages.y * kPageNodes * sizeof(NodeRecord);
     bytes += pages.x * pages.y * pages.z * sizeof(PageEntry);
   }

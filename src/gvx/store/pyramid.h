@@ -2,16 +2,17 @@
 /// PyramidBuilder makes all levels of the tree out of a volume that is handed over slice by slice, in one
 /// pass and in bounded memory, and puts them into a StoreWriter.
 ///
-/// Each level keeps a window of its last m+2 slices. When a level has the slices of a layer of bricks and the
-/// one behind it, the layer's bricks are cut out, compressed on all threads, and written; when it has n
-/// slices that average to one of the level above, that one is pushed there:
+/// Each level keeps a window of its last m+2n slices. When a level has the slices of a layer of bricks and
+/// the n behind it, the layer's bricks are cut out, compressed on all threads, and written; when it has n
+/// slices that make one of the level above, that one is pushed there:
 ///
-///     finest   z ->  [.....m+2 slices.....]  -> bricks of one layer -> writer
-///                          | mean of n^3 voxels
-///     above          [.....m+2 slices.....]  -> bricks of one layer -> writer
+///     finest   z ->  [.....m+2n slices....]  -> bricks of one layer -> writer
+///                          | one voxel of n^3 (downsample.h)
+///     above          [.....m+2n slices....]  -> bricks of one layer -> writer
 ///                          | ...
 ///
-/// Voxels beyond the volume's faces repeat those at the face; means take only the voxels that exist.
+/// Voxels beyond the volume's faces repeat those at the face; means take only the voxels that exist. Of
+/// scalars each coarse level also keeps the variance of what its voxels stand for.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +27,8 @@
 
 namespace gvx::store {
 
-/// Takes the slices of a volume of one voxel type. The bytes written do not depend on the number of threads.
+/// Takes the slices of a volume of one voxel format. The bytes written do not depend on the number of
+/// threads.
 class PyramidBuilder {
  public:
   /// `info` says the shape, voxel type, codec and all that the header keeps; its range and histogram are
@@ -34,11 +36,12 @@ class PyramidBuilder {
   PyramidBuilder(const exec::Device& cpu, StoreWriter& writer, VolumeInfo info);
   ~PyramidBuilder();
 
-  /// The memory that the build will take: about (m+2) slices of the finest level, a third more, and the
-  /// directory.
-  static std::uint64_t window_bytes(const TreeShape& shape, VoxelType type);
+  /// The memory that the build will take: about m+2n slices of the finest level, as much again for the
+  /// variances of u8 scalars, and the directory.
+  static std::uint64_t window_bytes(const TreeShape& shape, VoxelFormat format);
 
-  /// The next slices, dimensions.x * dimensions.y voxels each. Voxels of type f32 must be finite.
+  /// The next slices, dimensions.x * dimensions.y voxels each, the numbers of a voxel side by side. Voxels of
+  /// type f32 must be finite.
   Status push_slices(std::int64_t count, std::span<const std::byte> voxels);
 
   /// Checks that every slice has come, and finishes the writer.

@@ -1,5 +1,6 @@
 #include "gvx/store/store_reader.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -9,9 +10,14 @@
 namespace gvx::store {
 namespace {
 
-// 12 KiB a page: 48 MiB, the records of two million nodes. Beyond it all are dropped and read again as
+// 24 KiB a page: 96 MiB, the records of two million nodes. Beyond it all are dropped and read again as
 // needed.
 constexpr std::size_t kPagesKept = 4096;
+
+VoxelFormat format_of(const FileHeader& header) {
+  return {static_cast<VoxelType>(header.voxel_type), static_cast<VoxelContent>(header.content),
+          header.planes};
+}
 
 /// The message for a header field that is out of its bounds, or empty.
 std::string wrong_field(const FileHeader& header, std::uint64_t file_bytes) {
@@ -20,6 +26,7 @@ std::string wrong_field(const FileHeader& header, std::uint64_t file_bytes) {
   if (header.m != 8 && header.m != 16 && header.m != 32) return "brick size M";
   if (header.voxel_type < 1 || header.voxel_type > 3) return "voxel type";
   if (header.codec > 2) return "codec";
+  if (header.content > 3 || !format_of(header).valid()) return "voxel content";
   for (const std::uint64_t d : header.dimensions) {
     if (d < 1 || d > 0x7fffffff) return "dimensions";
   }
@@ -70,7 +77,7 @@ Status StoreReader::read_header() {
   if (header.magic != kMagic) return Error{path_ + ": not a .gvx store: no GVXSTORE at its start"};
   if (header.version != kVersion) {
     return Error{path_ + ": .gvx version " + std::to_string(header.version) + "; this gvx reads version " +
-                 std::to_string(kVersion)};
+                 std::to_string(kVersion) + ": build the store again"};
   }
   const auto bytes = std::as_bytes(std::span(&header, 1));
   if (checksum(bytes.first(offsetof(FileHeader, header_checksum))) != header.header_checksum) {
@@ -90,7 +97,7 @@ Status StoreReader::read_header() {
       {static_cast<std::int64_t>(header.dimensions[0]), static_cast<std::int64_t>(header.dimensions[1]),
        static_cast<std::int64_t>(header.dimensions[2])},
       header.levels};
-  info_.type = static_cast<VoxelType>(header.voxel_type);
+  info_.format = format_of(header);
   info_.codec = static_cast<Codec>(header.codec);
   const double* matrix = header.voxel_to_world;
   for (int c = 0; c < 3; ++c)
@@ -101,7 +108,6 @@ Status StoreReader::read_header() {
   }
   info_.scale = header.scale;
   info_.offset = header.offset;
-  info_.range = header.range;
 
   directory_.resize(header.directory_bytes / sizeof(PageEntry));
   const auto directory = std::as_writable_bytes(std::span(directory_));
@@ -124,16 +130,27 @@ Status StoreReader::read_metadata(const FileHeader& header) {
   if (!metadata.is_object()) return wrong();
   const auto source = metadata.find("source");
   const auto anatomical = metadata.find("anatomical");
-  const auto histogram = metadata.find("histogram");
+  const auto channels = metadata.find("channels");
   if (source == metadata.end() || !source->is_string() || anatomical == metadata.end() ||
-      !anatomical->is_boolean() || histogram == metadata.end() || !histogram->is_array()) {
+      !anatomical->is_boolean() || channels == metadata.end() || !channels->is_array() ||
+      channels->size() != info_.format.channels()) {
     return wrong();
   }
   info_.source = source->get<std::string>();
   info_.anatomical = anatomical->get<bool>();
-  for (const auto& bin : *histogram) {
-    if (!bin.is_number_unsigned()) return wrong();
-    info_.histogram.push_back(bin.get<std::uint64_t>());
+  for (std::size_t c = 0; c < channels->size(); ++c) {
+    const auto& channel = (*channels)[c];
+    if (!channel.is_object() || !channel.contains("range") || !channel.contains("histogram")) return wrong();
+    const auto& range = channel["range"];
+    if (!range.is_array() || range.size() != 2 || !range[0].is_number() || !range[1].is_number())
+      return wrong();
+    info_.ranges.channel[c] = {range[0].get<float>(), range[1].get<float>()};
+    if (!(info_.ranges.channel[c].minimum <= info_.ranges.channel[c].maximum)) return wrong();
+    auto& bins = info_.histograms.emplace_back();
+    for (const auto& bin : channel["histogram"]) {
+      if (!bin.is_number_unsigned()) return wrong();
+      bins.push_back(bin.get<std::uint64_t>());
+    }
   }
   return {};
 }
@@ -155,7 +172,7 @@ Result<std::shared_ptr<const IndexPage>> StoreReader::page(std::uint64_t index) 
                  " does not match"};
   }
   auto records = std::make_shared<IndexPage>(kPageNodes);
-  if (const auto status = decompress(Codec::zstd, sizeof(NodeRecord), compressed,
+  if (const auto status = decompress(Codec::zstd, {sizeof(NodeRecord), kPageNodes}, compressed,
                                      std::as_writable_bytes(std::span(*records)));
       !status.ok()) {
     return Error{path_ + ": corrupt: index page " + std::to_string(index) + ": " + status.error().message};
@@ -175,26 +192,30 @@ Result<NodeRecord> StoreReader::node(const NodeKey& key) const {
   GVX_ASSIGN(const auto records, page(index));
   const std::uint32_t x = key.x % kPageEdge, y = key.y % kPageEdge, z = key.z % kPageEdge;
   const NodeRecord record = (*records)[(z * kPageEdge + y) * kPageEdge + x];
-  const float greatest = info_.type == VoxelType::u8    ? 255.0f
-                         : info_.type == VoxelType::u16 ? 65535.0f
-                                                        : INFINITY;
-  const float least = info_.type == VoxelType::f32 ? -INFINITY : 0.0f;
-  if (!(least <= record.range.minimum && record.range.minimum <= record.range.maximum &&
-        record.range.maximum <= greatest)) {
-    return Error{path_ + ": corrupt: the value range of " + node_name(key) + " is impossible"};
+  const VoxelType type = info_.format.type;
+  const float greatest = type == VoxelType::u8 ? 255.0f : type == VoxelType::u16 ? 65535.0f : INFINITY;
+  const float least = type == VoxelType::f32 ? -INFINITY : 0.0f;
+  for (const ValueRange range : record.ranges.channel) {
+    if (!(least <= range.minimum && range.minimum <= range.maximum && range.maximum <= greatest)) {
+      return Error{path_ + ": corrupt: the value range of " + node_name(key) + " is impossible"};
+    }
   }
   return record;
 }
 
 Status StoreReader::read_brick(const NodeKey& key, const NodeRecord& record,
                                std::span<std::byte> voxels) const {
-  const std::size_t element = voxel_bytes(info_.type);
-  GVX_CHECK(voxels.size() == info_.shape.brick_voxels() * element);
+  const VoxelFormat format = info_.format;
+  const std::size_t element = voxel_bytes(format.type), texels = plane_texels(info_.shape.m);
+  GVX_CHECK(voxels.size() == info_.brick_bytes());
   if (record.constant()) {
-    with_voxel_type(info_.type, [&](auto zero) {
+    std::fill(voxels.begin(), voxels.end(), std::byte{0});
+    with_voxel_type(format.type, [&](auto zero) {
       using Voxel = decltype(zero);
-      const auto value = static_cast<Voxel>(record.range.minimum);
-      for (std::size_t i = 0; i < voxels.size(); i += element) std::memcpy(&voxels[i], &value, element);
+      auto* plane = reinterpret_cast<Voxel*>(voxels.data());
+      for (std::uint32_t c = 0; c < format.channels(); ++c, plane += texels) {
+        std::fill(plane, plane + texels, static_cast<Voxel>(record.ranges.channel[c].minimum));
+      }
     });
     return {};
   }
@@ -206,7 +227,8 @@ Status StoreReader::read_brick(const NodeKey& key, const NodeRecord& record,
   if (static_cast<std::uint32_t>(checksum(compressed)) != record.checksum) {
     return Error{path_ + ": corrupt: the checksum of the brick of " + node_name(key) + " does not match"};
   }
-  if (const auto status = decompress(info_.codec, element, compressed, voxels); !status.ok()) {
+  if (const auto status = decompress(info_.codec, {element, format.planes * texels}, compressed, voxels);
+      !status.ok()) {
     return Error{path_ + ": corrupt: brick of " + node_name(key) + ": " + status.error().message};
   }
   return {};

@@ -32,7 +32,8 @@ class StoreReader {
   /// The record of a node that the shape contains. Reads its page where that is not at hand. Thread-safe.
   Result<NodeRecord> node(const NodeKey& key) const;
 
-  /// Fills `voxels` ((m+2)^3 of them, x fastest) with a brick; record.constant() needs no file. Thread-safe.
+  /// Fills `voxels`, info().brick_bytes() of them, with a brick; record.constant() needs no file.
+  /// Thread-safe.
   Status read_brick(const NodeKey& key, const NodeRecord& record, std::span<std::byte> voxels) const;
 
   /// Everything that was read from the file so far.

@@ -53,7 +53,7 @@ void expect_every_brick_right(const TestVolume<Voxel>& finest, const std::string
   for (std::uint32_t l = shape.levels; l-- > 0; level = average(level, n)) {
     ASSERT_EQ(shape.level_dimensions(l), level.dimensions);
     const Vec3i nodes = shape.level_nodes(l);
-    std::vector<Voxel> brick(shape.brick_voxels());
+    std::vector<Voxel> brick(reader->info().brick_bytes() / sizeof(Voxel));
     for (std::uint32_t z = 0; z < nodes.z; ++z) {
       for (std::uint32_t y = 0; y < nodes.y; ++y) {
         for (std::uint32_t x = 0; x < nodes.x; ++x) {
@@ -68,7 +68,7 @@ void expect_every_brick_right(const TestVolume<Voxel>& finest, const std::string
               for (std::int64_t h = -1; h <= edge; ++h, ++i) {
                 ASSERT_EQ(brick[i], level.at(x * edge + h, y * edge + j, z * edge + k))
                     << l << ' ' << x << ' ' << y;
-                ASSERT_TRUE(record.range.contains(static_cast<float>(brick[i])));
+                ASSERT_TRUE(record.ranges.channel[0].contains(static_cast<float>(brick[i])));
               }
             }
           }
@@ -118,7 +118,7 @@ TEST(Store, holds_volumes_of_one_voxel_and_of_one_line) {
     const auto report = verify(exec::Device::cpu(), path, {});
     ASSERT_TRUE(report.ok()) << report.error().message;
     const auto reader = StoreReader::open(path).value();
-    EXPECT_EQ(reader->info().range,
+    EXPECT_EQ(reader->info().ranges.channel[0],
               (ValueRange{1000, static_cast<float>(1000 + d.x - 1 + 7 * (d.y - 1) + 3 * (d.z - 1))}));
   }
 }
@@ -144,20 +144,22 @@ TEST(Store, histogram_counts_every_voxel_in_its_bin) {
   const std::string path = temporary("histogram.gvx");
   ASSERT_TRUE(write_store(volume, path, 2, 8).ok());
   const VolumeInfo info = StoreReader::open(path).value()->info();
-  ASSERT_EQ(info.histogram.size(), PyramidBuilder::kHistogramBins);
-  EXPECT_EQ(std::accumulate(info.histogram.begin(), info.histogram.end(), std::uint64_t(0)), 40u * 30 * 20);
+  ASSERT_EQ(info.histograms[0].size(), PyramidBuilder::kHistogramBins);
+  EXPECT_EQ(std::accumulate(info.histograms[0].begin(), info.histograms[0].end(), std::uint64_t(0)),
+            40u * 30 * 20);
   // Of floats the bin is known to 8 bits of mantissa: the count below each bin boundary is right up to that.
-  const double width = info.range.maximum - info.range.minimum;
+  const double width = info.ranges.channel[0].maximum - info.ranges.channel[0].minimum;
   std::uint64_t below = 0;
-  for (std::size_t bin = 0; bin < info.histogram.size(); bin += 16) {
-    const double edge = info.range.minimum + width * double(bin) / double(info.histogram.size());
+  for (std::size_t bin = 0; bin < info.histograms[0].size(); bin += 16) {
+    const double edge =
+        info.ranges.channel[0].minimum + width * double(bin) / double(info.histograms[0].size());
     const auto low = std::count_if(volume.voxels.begin(), volume.voxels.end(),
                                    [&](float v) { return v < edge - std::abs(edge) / 128 - width / 1024; });
     const auto high = std::count_if(volume.voxels.begin(), volume.voxels.end(),
                                     [&](float v) { return v < edge + std::abs(edge) / 128 + width / 1024; });
     EXPECT_LE(low, static_cast<std::ptrdiff_t>(below));
     EXPECT_GE(high, static_cast<std::ptrdiff_t>(below));
-    for (std::size_t i = 0; i < 16; ++i) below += info.histogram[bin + i];
+    for (std::size_t i = 0; i < 16; ++i) below += info.histograms[0][bin + i];
   }
 }
 

@@ -45,7 +45,7 @@ Status write_store(const TestVolume<Voxel>& volume, const std::string& path, std
                    Codec codec = Codec::zstd, int threads = 2) {
   VolumeInfo info;
   info.shape = TreeShape::covering(volume.dimensions, n, m);
-  info.type = voxel_type_of<Voxel>();
+  info.format.type = voxel_type_of<Voxel>();
   info.codec = codec;
   info.source = "test";
   GVX_ASSIGN(const auto writer, StoreWriter::create(path, info.shape));

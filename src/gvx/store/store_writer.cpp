@@ -70,9 +70,10 @@ Status StoreWriter::append(std::span<const std::byte> bytes) {
   return {};
 }
 
-Result<NodeRecord> StoreWriter::add_brick(std::span<const std::byte> compressed, ValueRange range) {
+Result<NodeRecord> StoreWriter::add_brick(std::span<const std::byte> compressed,
+                                          const ChannelRanges& ranges) {
   const NodeRecord record{end_, static_cast<std::uint32_t>(compressed.size()),
-                          static_cast<std::uint32_t>(checksum(compressed)), range};
+                          static_cast<std::uint32_t>(checksum(compressed)), ranges};
   GVX_TRY(append(compressed));
   return record;
 }
@@ -92,7 +93,7 @@ Status StoreWriter::add_page_layer(std::uint32_t level, std::int64_t page_z,
           std::copy(from, from + kPageEdge, page.begin() + (z * kPageEdge + y) * kPageEdge);
         }
       }
-      compress(Codec::zstd, sizeof(NodeRecord), std::as_bytes(std::span(page)), compressed);
+      compress(Codec::zstd, {sizeof(NodeRecord), kPageNodes}, std::as_bytes(std::span(page)), compressed);
       const std::uint64_t index =
           shape_.pages_before(level) + static_cast<std::uint64_t>((page_z * pages.y + py) * pages.x + px);
       directory_[index] = {end_, static_cast<std::uint32_t>(compressed.size()),
@@ -110,7 +111,9 @@ Status StoreWriter::finish(const VolumeInfo& info) {
   header.header_bytes = sizeof(FileHeader);
   header.n = shape_.n;
   header.m = shape_.m;
-  header.voxel_type = static_cast<std::uint32_t>(info.type);
+  header.voxel_type = static_cast<std::uint32_t>(info.format.type);
+  header.content = static_cast<std::uint32_t>(info.format.content);
+  header.planes = info.format.planes;
   header.codec = static_cast<std::uint32_t>(info.codec);
   for (int axis = 0; axis < 3; ++axis) {
     header.dimensions[axis] = static_cast<std::uint64_t>(shape_.dimensions[axis]);
@@ -123,7 +126,7 @@ Status StoreWriter::finish(const VolumeInfo& info) {
   }
   header.scale = info.scale;
   header.offset = info.offset;
-  header.range = info.range;
+  header.range = info.ranges.channel[0];
 
   const auto directory = std::as_bytes(std::span(directory_));
   header.directory_offset = end_;
@@ -131,8 +134,13 @@ Status StoreWriter::finish(const VolumeInfo& info) {
   header.directory_checksum = checksum(directory);
   GVX_TRY(append(directory));
 
+  nlohmann::json channels = nlohmann::json::array();
+  for (std::uint32_t c = 0; c < info.format.channels(); ++c) {
+    const ValueRange range = info.ranges.channel[c];
+    channels.push_back({{"range", {range.minimum, range.maximum}}, {"histogram", info.histograms.at(c)}});
+  }
   const nlohmann::json metadata = {
-      {"source", info.source}, {"anatomical", info.anatomical}, {"histogram", info.histogram}};
+      {"source", info.source}, {"anatomical", info.anatomical}, {"channels", channels}};
   const std::string text = metadata.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   const auto text_bytes = std::as_bytes(std::span(text));
   header.metadata_offset = end_;

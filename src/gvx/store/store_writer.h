@@ -24,8 +24,8 @@ class StoreWriter {
   StoreWriter(const StoreWriter&) = delete;
   StoreWriter& operator=(const StoreWriter&) = delete;
 
-  /// Appends a compressed brick; returns its record with this range.
-  Result<NodeRecord> add_brick(std::span<const std::byte> compressed, ValueRange range);
+  /// Appends a compressed brick; returns its record with these ranges.
+  Result<NodeRecord> add_brick(std::span<const std::byte> compressed, const ChannelRanges& ranges);
 
   /// Appends the pages of one layer of pages of a level. `records`: pages_x*8 by pages_y*8 by 8 nodes, x
   /// fastest.

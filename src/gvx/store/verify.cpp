@@ -10,38 +10,42 @@
 namespace gvx::store {
 namespace {
 
-bool within(ValueRange inner, ValueRange outer) {
-  return outer.minimum <= inner.minimum && inner.maximum <= outer.maximum;
-}
-
 /// Reads the node's brick and says whether each voxel lies in the record's range.
 Status check_node(const StoreReader& reader, const NodeKey& key, std::vector<std::byte>& voxels,
                   VerifyReport& report) {
   GVX_ASSIGN(const NodeRecord record, reader.node(key));
-  ValueRange above = reader.info().range;
+  ChannelRanges above = reader.info().ranges;
   if (key.level > 0) {
     GVX_ASSIGN(const NodeRecord parent_record,
                reader.node(parent(key, static_cast<int>(reader.info().shape.n))));
-    above = parent_record.range;
+    above = parent_record.ranges;
   }
-  if (!within(record.range, above)) {
+  if (!above.contains(record.ranges)) {
     return Error{reader.path() + ": corrupt: the range of " + node_name(key) + " is not within its parent's"};
   }
   ++report.nodes;
   if (record.constant()) {
     ++report.constant_nodes;
-    if (!record.range.constant()) {
+    if (!record.ranges.constant()) {
       return Error{reader.path() + ": corrupt: " + node_name(key) + " has a range but no brick"};
     }
     return {};
   }
   ++report.bricks;
   GVX_TRY(reader.read_brick(key, record, voxels));
-  const bool sound = with_voxel_type(reader.info().type, [&](auto zero) {
+  const VoxelFormat format = reader.info().format;
+  const std::size_t texels = plane_texels(reader.info().shape.m);
+  const bool colored = format.content == VoxelContent::color || format.content == VoxelContent::color_normal;
+  const bool sound = with_voxel_type(format.type, [&](auto zero) {
     using Voxel = decltype(zero);
-    const auto* first = reinterpret_cast<const Voxel*>(voxels.data());
-    return std::all_of(first, first + voxels.size() / sizeof(Voxel),
-                       [&](Voxel v) { return record.range.contains(static_cast<float>(v)); });
+    const auto* plane = reinterpret_cast<const Voxel*>(voxels.data()) + (colored ? 3 * texels : 0);
+    bool inside = true;
+    for (std::uint32_t c = 0; c < format.channels(); ++c, plane += texels) {
+      const ValueRange range = record.ranges.channel[c];
+      inside = inside && std::all_of(plane, plane + texels,
+                                     [&](Voxel v) { return range.contains(static_cast<float>(v)); });
+    }
+    return inside;
   });
   if (!sound)
     return Error{reader.path() + ": corrupt: a voxel of " + node_name(key) + " is outside its range"};
@@ -54,11 +58,7 @@ Result<VerifyReport> verify(const exec::Device& cpu, const std::string& path,
                             const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   GVX_ASSIGN(const auto reader, StoreReader::open(path));
   const TreeShape& shape = reader->info().shape;
-  std::uint64_t all = 0;
-  for (std::uint32_t l = 0; l < shape.levels; ++l) {
-    const Vec3i nodes = shape.level_nodes(l);
-    all += static_cast<std::uint64_t>(nodes.x * nodes.y * nodes.z);
-  }
+  const std::uint64_t all = shape.nodes();
   VerifyReport report;
   Status status;
   std::mutex mutex;
@@ -66,7 +66,7 @@ Result<VerifyReport> verify(const exec::Device& cpu, const std::string& path,
     const Vec3i nodes = shape.level_nodes(l);
     exec::parallel_for(cpu, static_cast<std::size_t>(nodes.y * nodes.z), [&](std::size_t index) {
       const auto row = static_cast<std::int64_t>(index);
-      std::vector<std::byte> voxels(shape.brick_voxels() * voxel_bytes(reader->info().type));
+      std::vector<std::byte> voxels(reader->info().brick_bytes());
       VerifyReport of_row;
       Status row_status;
       for (std::int64_t x = 0; x < nodes.x && row_status.ok(); ++x) {

@@ -23,12 +23,13 @@ struct ClearRecycled {
 
 }  // namespace
 
-NodePool::NodePool(const exec::Device& device, std::uint32_t n, std::uint32_t tiles)
+NodePool::NodePool(const exec::Device& device, std::uint32_t n, std::uint32_t tiles, std::uint32_t channels)
     : device_(device),
       nodes_per_tile_(n * n * n),
+      channels_(channels),
       child_(device, std::size_t(tiles) * nodes_per_tile_),
       content_(device, child_.size()),
-      range_(device, child_.size()),
+      range_(device, child_.size() * channels),
       tile_recycled_(device, tiles),
       tile_parent_(tiles),
       usage_(device, tiles, 1) {
@@ -41,11 +42,13 @@ void NodePool::set_tile_parent(TileIndex tile, const NodeKey& parent) {
 }
 
 void NodePool::reset_node(NodeIndex node, const NodeInfo& info, bool transparent) {
-  const bool constant = info.range.constant();
+  const bool constant = info.ranges.constant();
   child_.view()[node.value] = {(info.terminal || constant ? kTerminalBit : 0) |
                                (transparent ? kTransparentBit : 0)};
   content_.view()[node.value] = constant ? ContentWord::constant() : ContentWord{};
-  range_.view()[node.value] = info.range;
+  for (std::uint32_t c = 0; c < channels_; ++c) {
+    range_.view()[std::size_t(c) * nodes() + node.value] = info.ranges.channel[c];
+  }
 }
 
 void NodePool::set_children(NodeIndex node, TileIndex children) {
@@ -58,8 +61,8 @@ void NodePool::set_content(NodeIndex node, ContentWord content) {
   content_.view()[node.value] = content;
 }
 
-void NodePool::set_constant(NodeIndex node, float value, bool transparent) {
-  reset_node(node, {{value, value}, true}, transparent);
+void NodePool::set_constant(NodeIndex node, const ChannelRanges& values, bool transparent) {
+  reset_node(node, {values.at_minimum(), true}, transparent);
 }
 
 void NodePool::clear_pointers(std::span<const std::uint32_t> recycled_tiles,

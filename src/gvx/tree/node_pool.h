@@ -22,21 +22,30 @@ namespace gvx::tree {
 struct NodePoolView {
   const ChildWord* child = nullptr;
   const ContentWord* content = nullptr;
-  const ValueRange* range = nullptr;
+  const ValueRange* range = nullptr;  ///< of channel c of a node: range[c * range_stride + node]
+  std::uint32_t range_stride = 0;
+
+  GVX_HD ValueRange range_of(NodeIndex node, std::uint32_t channel) const {
+    return range[std::size_t(channel) * range_stride + node.value];
+  }
 };
 
 /// What is known of a node before any of its voxels is.
 struct NodeInfo {
-  ValueRange range;       ///< of everything below it; a single value: the node is constant
+  /// Of everything below it and of a rim of n voxels around (store/format.h). All of a single value: the node
+  /// is constant.
+  ChannelRanges ranges;
   bool terminal = false;  ///< there is nothing finer
 };
 
 class NodePool {
  public:
-  /// A pool of `tiles` tiles of n^3 nodes, the root's among them.
-  NodePool(const exec::Device& device, std::uint32_t n, std::uint32_t tiles);
+  /// A pool of `tiles` tiles of n^3 nodes, the root's among them, that know the ranges of `channels`.
+  NodePool(const exec::Device& device, std::uint32_t n, std::uint32_t tiles, std::uint32_t channels);
 
-  NodePoolView view() const { return {child_.view().data, content_.view().data, range_.view().data}; }
+  NodePoolView view() const {
+    return {child_.view().data, content_.view().data, range_.view().data, nodes()};
+  }
   cache::UsageList& usage() { return usage_; }
   const cache::UsageList& usage() const { return usage_; }
   std::uint32_t tiles() const { return usage_.slots(); }
@@ -46,7 +55,11 @@ class NodePool {
 
   ChildWord child(NodeIndex node) const { return child_.view()[node.value]; }
   ContentWord content(NodeIndex node) const { return content_.view()[node.value]; }
-  ValueRange range(NodeIndex node) const { return range_.view()[node.value]; }
+  ChannelRanges ranges(NodeIndex node) const {
+    ChannelRanges ranges;
+    for (std::uint32_t c = 0; c < channels_; ++c) ranges.channel[c] = view().range_of(node, c);
+    return ranges;
+  }
   TileIndex tile_of(NodeIndex node) const { return TileIndex(node.value / nodes_per_tile_); }
   NodeIndex node_of(TileIndex tile, std::uint32_t child_index) const {
     return NodeIndex(tile.value * nodes_per_tile_ + child_index);
@@ -60,25 +73,25 @@ class NodePool {
   void reset_node(NodeIndex node, const NodeInfo& info, bool transparent);
   void set_children(NodeIndex node, TileIndex children);
   void set_content(NodeIndex node, ContentWord content);
-  /// Makes a node constant after all: its brick, once made, was of one value.
-  void set_constant(NodeIndex node, float value, bool transparent);
+  /// Makes a node constant after all: its brick, once made, was of one value a channel.
+  void set_constant(NodeIndex node, const ChannelRanges& values, bool transparent);
 
   /// Clears every pointer to these tiles and bricks; `bricks` is the size of the brick pool.
   void clear_pointers(std::span<const std::uint32_t> recycled_tiles,
                       std::span<const std::uint32_t> recycled_bricks, std::uint32_t bricks);
 
-  /// Sets each node's transparent bit to `is_transparent(range)`.
+  /// Sets each node's transparent bit to `is_transparent(ranges)`.
   template <typename Function>
   void reclassify(Function is_transparent) {
     for (std::uint32_t i = 0; i < nodes(); ++i)
-      set_transparent(NodeIndex(i), is_transparent(range_.view()[i]));
+      set_transparent(NodeIndex(i), is_transparent(ranges(NodeIndex(i))));
   }
 
  private:
   void set_transparent(NodeIndex node, bool transparent);
 
   exec::Device device_;
-  std::uint32_t nodes_per_tile_;
+  std::uint32_t nodes_per_tile_, channels_;
   exec::Buffer<ChildWord> child_;
   exec::Buffer<ContentWord> content_;
   exec::Buffer<ValueRange> range_;

@@ -10,9 +10,9 @@ namespace gvx::tree {
 namespace {
 
 TEST(NodePool, words_keep_their_parts_apart) {
-  NodePool pool(exec::Device::cpu(), 2, 10);
+  NodePool pool(exec::Device::cpu(), 2, 10, 1);
   const NodeIndex node = pool.node_of(TileIndex(3), 5);
-  pool.reset_node(node, {{1, 4}, false}, true);
+  pool.reset_node(node, {ValueRange{1, 4}, false}, true);
   pool.set_children(node, TileIndex(7));
   pool.set_content(node, ContentWord::of_brick(BrickIndex(123456)));
   EXPECT_EQ(pool.child(node).children(), TileIndex(7));
@@ -21,14 +21,14 @@ TEST(NodePool, words_keep_their_parts_apart) {
   EXPECT_EQ(pool.content(node).kind(), ContentKind::brick);
   EXPECT_EQ(pool.content(node).brick(), BrickIndex(123456));
   EXPECT_EQ(pool.tile_of(node), TileIndex(3));
-  pool.reclassify([](ValueRange range) { return range.maximum < 2; });
+  pool.reclassify([](const ChannelRanges& ranges) { return ranges.channel[0].maximum < 2; });
   EXPECT_FALSE(pool.child(node).transparent());
   EXPECT_EQ(pool.child(node).children(), TileIndex(7));
 }
 
 TEST(NodePool, a_range_of_one_value_is_a_constant_terminal_node) {
-  NodePool pool(exec::Device::cpu(), 3, 4);
-  pool.reset_node(NodeIndex(30), {{5, 5}, false}, false);
+  NodePool pool(exec::Device::cpu(), 3, 4, 1);
+  pool.reset_node(NodeIndex(30), {ValueRange{5, 5}, false}, false);
   EXPECT_EQ(pool.content(NodeIndex(30)).kind(), ContentKind::constant);
   EXPECT_TRUE(pool.child(NodeIndex(30)).terminal());
 }
@@ -37,11 +37,11 @@ TEST(NodePool, clears_every_pointer_to_what_is_recycled_and_no_other) {
   std::mt19937 generator(3);
   const auto random = [&](std::uint32_t below) { return static_cast<std::uint32_t>(generator()) % below; };
   const std::uint32_t tiles = 50, bricks = 40;
-  NodePool pool(exec::Device::cpu(), 2, tiles);
+  NodePool pool(exec::Device::cpu(), 2, tiles, 1);
   for (int round = 0; round < 50; ++round) {
     for (std::uint32_t i = 0; i < pool.nodes(); ++i) {
       const NodeIndex node(i);
-      pool.reset_node(node, {{0, 1}, false}, false);
+      pool.reset_node(node, {ValueRange{0, 1}, false}, false);
       if (random(2) == 0) pool.set_children(node, TileIndex(1 + random(tiles - 1)));  // many share
       if (random(2) == 0) pool.set_content(node, ContentWord::of_brick(BrickIndex(random(bricks))));
     }

@@ -3,7 +3,8 @@
 ///
 ///     child     31 terminal | 30 transparent | 29..0 tile of its N^3 children, 0 for none
 ///     content   31..30 kind: none, constant, brick | 29..0 slot of its brick
-///     range     least and greatest value of everything below; of a constant node both are its value
+///     range     least and greatest value of everything below, of each channel; of a constant node both are
+///     its value
 ///
 /// *Terminal*: there is nothing finer. *Transparent*: under the current transfer function its whole range is;
 /// set for the resident nodes when the function changes.

@@ -1,0 +1,83 @@
+/// \file
+/// Projections: the greatest, least or mean value along a ray, of one to four channels, through the transfer
+/// functions. Values gather in the ray's colour and opacity, channel by channel, until it ends.
+#pragma once
+
+#include <cmath>
+
+#include "gvx/render/stretch.h"
+
+namespace gvx::render {
+
+GVX_HD inline float& gathered(RayState& state, std::uint32_t channel) {
+  return channel == 0   ? state.color.x
+         : channel == 1 ? state.color.y
+         : channel == 2 ? state.color.z
+                        : state.opacity;
+}
+
+/// Takes in the same values `weight` times.
+GVX_HD inline void project(scene::Mode mode, RayState& state, std::uint32_t channel, float value,
+                           float weight) {
+  float& all = gathered(state, channel);
+  if (mode == scene::Mode::mean) {
+    all += weight * value;
+  } else if (state.samples == 0) {
+    all = value;
+  } else {
+    all = mode == scene::Mode::maximum ? std::fmax(all, value) : std::fmin(all, value);
+  }
+}
+
+/// Can nothing within these ranges change what was gathered?
+GVX_HD inline bool outdone(scene::Mode mode, RayState& state, std::uint32_t channel, ValueRange range) {
+  if (state.samples == 0) return false;
+  return mode == scene::Mode::maximum   ? range.maximum <= gathered(state, channel)
+         : mode == scene::Mode::minimum ? range.minimum >= gathered(state, channel)
+                                        : false;
+}
+
+template <typename Voxel, int M>
+GVX_HD void project_stretch(const RayView& ray, const Stretch<Voxel, M>& s, RayState& state) {
+  const FrameView& frame = ray.frame;
+  const float ticks = static_cast<float>(frame.stride[s.level]);
+  for (std::int64_t step = 0; step < s.steps; ++step) {
+    const float i = static_cast<float>(step);
+    const float blend = s.blend_at(frame, i);
+    for (std::uint32_t c = 0; c < frame.visibility.channels; ++c) {
+      project(frame.visibility.mode, state, c, value_at(s, c, i, blend), ticks);
+    }
+    ++state.samples;
+  }
+}
+
+GVX_HD inline void project_constant(const RayView& ray, const ChannelRanges& values, int level,
+                                    std::int64_t steps, RayState& state) {
+  const float ticks = static_cast<float>(ray.frame.stride[level] * steps);
+  for (std::uint32_t c = 0; c < ray.frame.visibility.channels; ++c) {
+    project(ray.frame.visibility.mode, state, c, values.channel[c].minimum, ticks);
+  }
+  ++state.samples;
+}
+
+/// At the end of a ray: the values become colours, which add up, and opacities. `ticks` is the ray's length.
+GVX_HD inline void finish_projection(const RayView& ray, float ticks, RayState& state) {
+  const scene::Visibility& visibility = ray.frame.visibility;
+  Vec3f color;
+  float left = 1;
+  for (std::uint32_t c = 0; state.samples > 0 && c < visibility.channels; ++c) {
+    float value = gathered(state, c);
+    if (visibility.mode == scene::Mode::mean) value = value / ticks;
+    const scene::TransferView& function = visibility.functions[c];
+    const scene::Matter m = function.at(function.entry_of(value));
+    if (!(m.extinction > 0.0f)) continue;
+    const float opacity = opacity_of(m.extinction);
+    color = color + (opacity / m.extinction) * m.color;
+    left *= 1 - opacity;
+  }
+  const auto held = [](float v) { return v < 1.0f ? v : 1.0f; };
+  state.color = {held(color.x), held(color.y), held(color.z)};
+  state.opacity = 1 - left;
+}
+
+}  // namespace gvx::render

@@ -1,0 +1,105 @@
+/// \file
+/// One voxel of a level out of the n^3 below it: means and variances of scalars, the most frequent label, and
+/// colours that stay as opaque as what they stand for.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <type_traits>
+
+namespace gvx::store {
+
+/// The mean of scalars and the variance of the finest voxels that it stands for.
+struct Moments {
+  double mean = 0, variance = 0;
+};
+
+/// Sums up voxels that each stand for equally many of the finest ones.
+template <typename Voxel>
+class MomentSum {
+ public:
+  void add(Voxel value, float variance) {
+    sum_ += value;
+    squares_ += static_cast<Square>(value) * value;
+    variance_ += variance;
+    ++count_;
+  }
+  Moments moments() const {
+    const auto n = static_cast<double>(count_);
+    const double mean = static_cast<double>(sum_) / n;
+    return {mean, std::max(0.0, static_cast<double>(squares_) / n - mean * mean) + variance_ / n};
+  }
+
+ private:
+  using Sum = std::conditional_t<std::is_same_v<Voxel, float>, double, std::uint32_t>;
+  using Square = std::conditional_t<std::is_same_v<Voxel, float>, double,
+                                    std::conditional_t<sizeof(Voxel) == 1, std::uint32_t, std::uint64_t>>;
+  Sum sum_ = 0;
+  Square squares_ = 0;
+  double variance_ = 0;
+  std::uint32_t count_ = 0;
+};
+
+/// The mean as a voxel.
+template <typename Voxel>
+Voxel rounded(double mean) {
+  if constexpr (std::is_same_v<Voxel, float>) {
+    return static_cast<float>(mean);
+  } else {
+    return static_cast<Voxel>(mean + 0.5);
+  }
+}
+
+/// The label that most of the first `count` have; of equally many the greatest, so that thin things outlive
+/// the background 0.
+template <typename Voxel>
+Voxel most_frequent(std::array<Voxel, 27> labels, std::size_t count) {
+  std::sort(labels.begin(), labels.begin() + static_cast<std::ptrdiff_t>(count));
+  Voxel best = labels[0];
+  std::size_t most = 0, run = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    run = i > 0 && labels[i] == labels[i - 1] ? run + 1 : 1;
+    if (run >= most) {
+      most = run;
+      best = labels[i];
+    }
+  }
+  return best;
+}
+
+/// Premultiplied colour and opacity, 0 to 1.
+using Rgba = std::array<float, 4>;
+
+inline Rgba over(const Rgba& front, const Rgba& back) {
+  Rgba out;
+  for (std::size_t c = 0; c < 4; ++c) out[c] = front[c] + (1 - front[3]) * back[c];
+  return out;
+}
+
+/// What a block of nx x ny x nz voxels looks like as one voxel: each column seen along each axis, from both
+/// ends, and the mean of all (compare the GigaVoxels thesis, section 3.1: opacity is pre-integrated, not
+/// averaged).
+inline Rgba seen_from_all_sides(const std::array<Rgba, 27>& block, int nx, int ny, int nz) {
+  const int size[3] = {nx, ny, nz}, step[3] = {1, nx, nx * ny};
+  Rgba sum{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const float weight = 1.0f / static_cast<float>(6 * size[u] * size[v]);
+    for (int j = 0; j < size[v]; ++j) {
+      for (int i = 0; i < size[u]; ++i) {
+        Rgba forth{}, back{};
+        for (int k = 0; k < size[axis]; ++k) {
+          const Rgba& here = block[static_cast<std::size_t>(i * step[u] + j * step[v] + k * step[axis])];
+          forth = over(forth, here);
+          back = over(here, back);
+        }
+        for (std::size_t c = 0; c < 4; ++c) sum[c] += weight * (forth[c] + back[c]);
+      }
+    }
+  }
+  return sum;
+}
+
+}  // namespace gvx::store

@@ -1,0 +1,72 @@
+/// \file
+/// ValueHistogram counts voxels whose range is not known until all have come.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "gvx/core/voxel.h"
+
+namespace gvx::store {
+
+template <typename Voxel>
+class ValueHistogram {
+ public:
+  void add(const Voxel* voxels, std::int64_t count) {
+    // Two tables in turn: equal neighbours would otherwise wait for each other's increment.
+    std::fill(odd_.begin(), odd_.end(), 0u);
+    std::fill(even_.begin(), even_.end(), 0u);
+    for (std::int64_t i = 0; i + 1 < count; i += 2) {
+      ++even_[fine_bin(voxels[i])];
+      ++odd_[fine_bin(voxels[i + 1])];
+    }
+    if (count % 2 != 0) ++even_[fine_bin(voxels[count - 1])];
+    for (std::size_t i = 0; i < fine_.size(); ++i) fine_[i] += even_[i] + odd_[i];
+  }
+
+  /// The counts in equal bins over the range.
+  std::vector<std::uint64_t> bins(ValueRange range, std::size_t count) const {
+    std::vector<std::uint64_t> bins(count);
+    const double least = range.minimum, width = range.maximum - least;
+    for (std::size_t i = 0; i < fine_.size(); ++i) {
+      if (fine_[i] == 0) continue;
+      const double where = width > 0 ? (fine_bin_value(i) - least) / width : 0;
+      const double bin =
+          std::clamp(std::floor(where * static_cast<double>(count)), 0.0, static_cast<double>(count - 1));
+      bins[static_cast<std::size_t>(bin)] += fine_[i];
+    }
+    return bins;
+  }
+
+ private:
+  static constexpr std::size_t kFineBins = 65536;
+
+  /// The value itself, or the 16 high bits of a float's order-preserving image.
+  static std::size_t fine_bin(Voxel v) {
+    if constexpr (std::is_same_v<Voxel, float>) {
+      const auto bits = std::bit_cast<std::uint32_t>(v);
+      return ((bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u) >> 16;
+    } else {
+      return v;
+    }
+  }
+
+  /// The least value of a fine bin.
+  static double fine_bin_value(std::size_t bin) {
+    if constexpr (std::is_same_v<Voxel, float>) {
+      const auto high = static_cast<std::uint32_t>(bin) << 16;
+      return std::bit_cast<float>((high & 0x80000000u) != 0 ? high & 0x7fffffffu : ~high);
+    } else {
+      return static_cast<double>(bin);
+    }
+  }
+
+  std::vector<std::uint64_t> fine_ = std::vector<std::uint64_t>(kFineBins);
+  std::vector<std::uint32_t> odd_ = std::vector<std::uint32_t>(kFineBins);
+  std::vector<std::uint32_t> even_ = std::vector<std::uint32_t>(kFineBins);
+};
+
+}  // namespace gvx::store
