@@ -13,8 +13,7 @@ constexpr double kReferenceSamples = 16;
 
 void expect_right(TestScene scene, const char* what) {
   scene.view.level_of_detail = false;
-  const ReferencePicture reference =
-      render_reference(scene.volume, scene.view, kReferenceSamples, scene.soft_gradient);
+  const ReferencePicture reference = render_reference(scene.volume, scene.view, kReferenceSamples);
   for (const exec::Device& device : exec::Device::all()) {
     const double decibels = psnr(render_exact(scene, device), reference.picture);
     EXPECT_GE(decibels, kNeededDecibels) << what << " on " << device.name();
@@ -133,7 +132,7 @@ TEST(Exact, needs_no_more_than_two_bricks) {
 TEST(Exact, loads_little_more_than_rays_need) {
   TestScene scene = analytic_scene("need", ball, {120, 120, 120}, {1, 1, 1}, 2, 8);
   scene.view.level_of_detail = false;
-  const ReferencePicture reference = render_reference(scene.volume, scene.view, 4, scene.soft_gradient, 8);
+  const ReferencePicture reference = render_reference(scene.volume, scene.view, 4, 8);
   engine::Statistics statistics;
   render_exact(scene, exec::Device::cpu(), {}, &statistics);
   const double ratio = static_cast<double>(statistics.bricks_produced) /

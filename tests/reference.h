@@ -11,8 +11,9 @@
 #include <vector>
 
 #include "gvx/core/affine.h"
+#include "gvx/core/voxel.h"
 #include "gvx/render/film.h"
-#include "gvx/render/frame.h"
+#include "gvx/render/view.h"
 
 namespace gvx::tests {
 
@@ -21,11 +22,24 @@ struct ReferenceVolume {
   Vec3i dimensions;
   Affine3 voxel_to_world;  ///< voxel i covers [i, i+1]
   std::function<double(std::int64_t, std::int64_t, std::int64_t)> voxel;
+  /// Of its further planes, in the same way.
+  std::vector<std::function<double(std::int64_t, std::int64_t, std::int64_t)>> more_planes = {};
+  VoxelContent content = VoxelContent::scalar;
 
-  /// Trilinear between centres.
-  double value(Vec3d p) const;
+  std::size_t planes() const { return 1 + more_planes.size(); }
+  double voxel_of(std::size_t plane, std::int64_t x, std::int64_t y, std::int64_t z) const {
+    return plane == 0 ? voxel(x, y, z) : more_planes[plane - 1](x, y, z);
+  }
+  /// Trilinear between centres, of what `read` makes of the voxels' numbers.
+  double interpolate(Vec3d p,
+                     const std::function<double(std::int64_t, std::int64_t, std::int64_t)>& read) const;
+  double value(std::size_t plane, Vec3d p) const;
   /// Per voxel, by central differences of half a voxel.
-  Vec3d gradient(Vec3d p) const;
+  Vec3d gradient(std::size_t plane, Vec3d p) const;
+  /// The same of 1 in voxels of this label and 0 in others.
+  Vec3d region_gradient(double label, Vec3d p) const;
+  /// The number of the voxel that the position is in.
+  double nearest(Vec3d p) const;
 };
 
 struct ReferencePicture {
@@ -35,10 +49,9 @@ struct ReferencePicture {
 };
 
 /// Renders with `samples_per_voxel` steps a voxel (of the smallest spacing), until 1/10000 is left to see.
-/// `soft_gradient` is the engine's, in physical units a voxel. `m` is the brick size that necessary_bricks
-/// counts in.
+/// `m` is the brick size that necessary_bricks counts in.
 ReferencePicture render_reference(const ReferenceVolume& volume, const render::View& view,
-                                  double samples_per_voxel, double soft_gradient, std::int64_t m = 16);
+                                  double samples_per_voxel, std::int64_t m = 16);
 
 /// Peak signal-to-noise ratio of the colours, peak 1; infinite where they are equal.
 double psnr(const render::Picture& a, const render::Picture& b);

@@ -16,13 +16,6 @@
 namespace gvx::tests {
 namespace {
 
-/// As the engine derives it from the span of a function's values.
-double soft_gradient_of(const scene::TransferFunction& f) {
-  const double first = std::min(f.colors.front().value, f.opacities.front().value);
-  const double last = std::max(f.colors.back().value, f.opacities.back().value);
-  return (last - first) * scene::TransferView::kEntries / (scene::TransferView::kEntries - 1) / 200;
-}
-
 render::View framed_view(const ReferenceVolume& volume, const scene::TransferFunction& function) {
   render::View view;
   view.width = 160;
@@ -73,7 +66,53 @@ TestScene analytic_scene(const std::string& name, const std::function<double(Vec
   GVX_CHECK(pyramid.push_slices(dimensions.z, std::as_bytes(std::span(*voxels))).ok());
   GVX_CHECK(pyramid.finish().ok());
   scene.view = framed_view(scene.volume, soft_function());
-  scene.soft_gradient = soft_gradient_of(scene.view.functions[0]);
+  return scene;
+}
+
+TestScene planar_scene(const std::string& name, VoxelFormat format, const std::vector<Field>& planes,
+                       Vec3i dimensions, std::uint32_t n, std::uint32_t m) {
+  GVX_CHECK(planes.size() == format.planes && format.valid());
+  auto numbers = std::make_shared<std::vector<double>>();
+  std::vector<std::byte> bytes;
+  with_voxel_type(format.type, [&](auto number) {
+    for (std::int64_t z = 0; z < dimensions.z; ++z) {
+      for (std::int64_t y = 0; y < dimensions.y; ++y) {
+        for (std::int64_t x = 0; x < dimensions.x; ++x) {
+          const Vec3d p = (Vec3d(Vec3i(x, y, z)) + Vec3d(0.5)) / Vec3d(dimensions);
+          for (const Field& plane : planes) {
+            number = static_cast<decltype(number)>(plane(p));
+            numbers->push_back(static_cast<double>(number));
+            bytes.resize(bytes.size() + sizeof(number));
+            std::memcpy(&bytes[bytes.size() - sizeof(number)], &number, sizeof(number));
+          }
+        }
+      }
+    }
+  });
+  TestScene scene;
+  scene.volume.dimensions = dimensions;
+  scene.volume.content = format.content;
+  const auto count = static_cast<std::int64_t>(format.planes);
+  for (std::int64_t c = 0; c < count; ++c) {
+    const auto read = [numbers, dimensions, count, c](std::int64_t x, std::int64_t y, std::int64_t z) {
+      const std::int64_t voxel = (z * dimensions.y + y) * dimensions.x + x;
+      return (*numbers)[static_cast<std::size_t>(voxel * count + c)];
+    };
+    if (c == 0) {
+      scene.volume.voxel = read;
+    } else {
+      scene.volume.more_planes.emplace_back(read);
+    }
+  }
+  scene.store_path = testing::TempDir() + "gvx_scene_" + name + ".gvx";
+  store::VolumeInfo info;
+  info.shape = store::TreeShape::covering(dimensions, n, m);
+  info.format = format;
+  const auto writer = store::StoreWriter::create(scene.store_path, info.shape).value();
+  store::PyramidBuilder pyramid(exec::Device::cpu(), *writer, info);
+  GVX_CHECK(pyramid.push_slices(dimensions.z, bytes).ok());
+  GVX_CHECK(pyramid.finish().ok());
+  scene.view = framed_view(scene.volume, soft_function());
   return scene;
 }
 
@@ -123,7 +162,6 @@ Result<TestScene> file_scene(const std::string& file, std::uint32_t m) {
                            {{{at(0.1), {0.6, 0.3, 0.2}}, {at(0.4), {0.9, 0.8, 0.6}}, {at(0.9), {1, 1, 1}}},
                             {{at(0.15), 0}, {at(0.3), 0.1}, {at(0.6), 0.6}},
                             0});
-  scene.soft_gradient = soft_gradient_of(scene.view.functions[0]);
   return scene;
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "gvx/engine/engine.h"
 #include "gvx/produce/producer.h"
@@ -17,7 +18,6 @@ namespace gvx::tests {
 struct TestScene {
   ReferenceVolume volume;
   std::string store_path;
-  double soft_gradient = 0;  ///< what the engine's shading takes with `view`, in physical units a voxel
   render::View view;
 
   std::shared_ptr<const produce::Producer> open() const;
@@ -26,6 +26,13 @@ struct TestScene {
 /// A function on [0, 1]^3 sampled at the centres of dimensions.x * y * z voxels of this spacing, as f32.
 TestScene analytic_scene(const std::string& name, const std::function<double(Vec3d)>& field, Vec3i dimensions,
                          Vec3d spacing, std::uint32_t n, std::uint32_t m);
+
+/// A number for each place in [0, 1]^3.
+using Field = std::function<double(Vec3d)>;
+
+/// A volume of any format, one field a plane, at the centres of its voxels, which are of unit size.
+TestScene planar_scene(const std::string& name, VoxelFormat format, const std::vector<Field>& planes,
+                       Vec3i dimensions, std::uint32_t n, std::uint32_t m);
 
 /// A soft ball with a dent: smooth everywhere, values 0 to 1.
 double ball(Vec3d p);

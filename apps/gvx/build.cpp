@@ -3,8 +3,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <memory>
+#include <vector>
 
 #include "commands.h"
+#include "gvx/io/channel_merger.h"
 #include "gvx/io/store_build.h"
 #include "gvx/io/volume_reader.h"
 #include "open_scene.h"
@@ -15,11 +18,24 @@ namespace gvx::app {
 namespace {
 
 struct Options {
-  std::string input, output, memory = "1G", codec = "zstd", type;
+  std::vector<std::string> inputs;
+  std::string output, memory = "1G", codec = "zstd", type;
   int brick = 16, tree = 2, threads = 0;
-  bool force = false;
+  bool force = false, labels = false;
   RawFlags raw;
 };
+
+/// One volume, or several as its channels.
+Result<std::unique_ptr<io::SliceReader>> open_channels(const std::vector<std::string>& paths,
+                                                       const io::RawOptions& raw) {
+  std::vector<std::unique_ptr<io::VolumeReader>> volumes;
+  for (const std::string& path : paths) {
+    GVX_ASSIGN(volumes.emplace_back(), io::open_volume(path, raw));
+  }
+  if (volumes.size() == 1) return std::unique_ptr<io::SliceReader>(std::move(volumes.front()));
+  GVX_ASSIGN(std::unique_ptr<io::SliceReader> merged, io::ChannelMerger::merge(std::move(volumes)));
+  return merged;
+}
 
 Status build(const Options& o) {
   if (!o.force && std::filesystem::exists(o.output))
@@ -35,7 +51,8 @@ Status build(const Options& o) {
   if (!o.type.empty()) options.type = types.at(o.type);
   GVX_ASSIGN(options.memory_bytes, parse_bytes(o.memory));
   GVX_ASSIGN(const io::RawOptions raw, o.raw.parse());
-  GVX_ASSIGN(const auto volume, io::open_volume(o.input, raw));
+  options.labels = o.labels;
+  GVX_ASSIGN(const auto volume, open_channels(o.inputs, raw));
   io::StoreBuildReport report;
   {
     Progress progress("building", "");
@@ -49,10 +66,10 @@ Status build(const Options& o) {
               bytes_text(report.bytes_written).c_str());
   if (report.not_finite > 0) {
     std::fprintf(stderr, "gvx: %s: %llu samples are not finite numbers; they are stored as 0\n",
-                 o.input.c_str(), static_cast<unsigned long long>(report.not_finite));
+                 o.inputs.front().c_str(), static_cast<unsigned long long>(report.not_finite));
   }
   if (report.rounded) {
-    std::fprintf(stderr, "gvx: %s: %s samples are stored as f32, to 24 bits\n", o.input.c_str(),
+    std::fprintf(stderr, "gvx: %s: %s samples are stored as f32, to 24 bits\n", o.inputs.front().c_str(),
                  io::sample_name(volume->description().type));
   }
   return {};
@@ -64,9 +81,12 @@ Command add_build(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("build", "Build a .gvx store from a volume file");
   command
-      ->add_option("input", options->input,
-                   "RAW, NRRD, NIfTI-1 or MetaImage file; - reads raw samples from a pipe")
-      ->required();
+      ->add_option(
+          "input", options->inputs,
+          "RAW, NRRD, NIfTI-1 or MetaImage file; - reads raw samples from a pipe; several files of one "
+          "shape become the channels of one volume")
+      ->required()
+      ->expected(1, 4);
   command->add_option("-o,--output", options->output, "The store to write")->required();
   command->add_option("--brick", options->brick, "Voxels along an edge of a brick")
       ->check(CLI::IsMember({8, 16, 32}))
@@ -85,6 +105,9 @@ Command add_build(CLI::App& program) {
       ->capture_default_str();
   command->add_option("--threads", options->threads, "Threads; 0 takes all cores")
       ->check(CLI::Range(0, 1024));
+  command->add_flag(
+      "--labels", options->labels,
+      "The numbers name classes: never averaged or blended, coarse levels take the most frequent");
   command->add_flag("--force", options->force, "Replace OUT.gvx where it is there already");
   options->raw.add_to(*command);
   return [options] { return build(*options); };

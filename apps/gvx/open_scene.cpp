@@ -77,10 +77,14 @@ Result<bool> is_store(const std::string& path) {
 }
 
 scene::ValueStatistics value_statistics(const produce::TreeDescription& tree, std::size_t channel) {
-  return scene::physical_statistics(
+  scene::ValueStatistics statistics = scene::physical_statistics(
       tree.ranges.channel[channel],
       channel < tree.histograms.size() ? tree.histograms[channel] : std::vector<std::uint64_t>{}, tree.scale,
       tree.offset);
+  statistics.anatomical = tree.anatomical;
+  statistics.channel = static_cast<std::uint32_t>(channel);
+  statistics.channels = tree.format.channels();
+  return statistics;
 }
 
 Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw) {
@@ -102,6 +106,9 @@ void RawFlags::add_to(CLI::App& command) {
   command.add_option("--dims", dims_, "Voxels along X,Y,Z of a raw file")->group(group);
   command.add_option("--dtype", dtype_, "Type of its samples: u8 i8 u16 i16 u32 i32 f32 f64")->group(group);
   command.add_option("--endian", endian_, "Byte order of its samples: little or big")->group(group);
+  command.add_option("--components", components_, "Samples of a voxel of a raw file")
+      ->check(CLI::Range(1, 4))
+      ->group(group);
   command.add_option("--offset", offset_, "Bytes before its first sample")->group(group);
   command.add_option("--spacing", spacing_, "Size of a voxel along X,Y,Z, of any format")->group(group);
 }
@@ -109,6 +116,7 @@ void RawFlags::add_to(CLI::App& command) {
 Result<io::RawOptions> RawFlags::parse() const {
   io::RawOptions raw;
   raw.offset = offset_;
+  raw.components = components_;
   if (!dims_.empty()) {
     GVX_ASSIGN(raw.dimensions, parse_dimensions(dims_));
   }

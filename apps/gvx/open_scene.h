@@ -40,6 +40,7 @@ class RawFlags {
  private:
   std::string dims_, dtype_, endian_, spacing_;
   std::int64_t offset_ = 0;
+  int components_ = 1;
 };
 
 }  // namespace gvx::app

@@ -155,9 +155,12 @@ Status interpret_place(const Header& header, std::size_t axes, VolumeDescription
 Status interpret_values(const Header& header, VolumeFile& file) {
   VolumeDescription& description = file.description;
   GVX_ASSIGN(const auto channels, header.numbers({"ElementNumberOfChannels"}, 1));
-  if (!channels.empty() && channels[0] != 1) {
-    return file_error(description.path, "ElementNumberOfChannels: expected 1, found " +
-                                            quoted(*header.find({"ElementNumberOfChannels"})));
+  if (!channels.empty()) {
+    if (channels[0] != 1 && channels[0] != 2 && channels[0] != 3 && channels[0] != 4) {
+      return file_error(description.path, "ElementNumberOfChannels: expected 1 to 4, found " +
+                                              quoted(*header.find({"ElementNumberOfChannels"})));
+    }
+    description.components = static_cast<int>(channels[0]);
   }
   const std::string* type = header.find({"ElementType"});
   if (type == nullptr) return file_error(description.path, "ElementType: expected this field");

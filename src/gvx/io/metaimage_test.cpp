@@ -124,7 +124,7 @@ TEST(MetaImage, ErrorsNameTheField) {
   expect_error(small_mha("NDims = 3\n", data), "two of 'ndims'");
   expect_error(small_mha("", data, "MET_LONG_LONG"), "ElementType: expected MET_CHAR");
   expect_error(small_mha("", data, "MET_UCHAR_ARRAY"), "ElementType: expected MET_CHAR");
-  expect_error(small_mha("ElementNumberOfChannels = 3\n", data), "ElementNumberOfChannels: expected 1");
+  expect_error(small_mha("ElementNumberOfChannels = 5\n", data), "ElementNumberOfChannels: expected 1 to 4");
   expect_error(small_mha("CompressedData = maybe\n", data), "CompressedData: expected True or False");
   expect_error(small_mha("ElementSpacing = 1 0 1\n", data), "ElementSpacing: expected");
   expect_error(small_mha("ElementSpacing = 1 nan 1\n", data), "ElementSpacing: expected");

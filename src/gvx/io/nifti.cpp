@@ -47,7 +47,13 @@ FilePair find_files(const std::string& path) {
   return {path, path};
 }
 
+/// RGB and RGBA voxels, of bytes: how many, or 0.
+int color_components(int code) {
+  return code == 128 ? 3 : code == 2304 ? 4 : 0;
+}
+
 Result<SampleType> parse_datatype(const std::string& path, int code) {
+  if (color_components(code) > 0) return SampleType::u8;
   switch (code) {
     case 2:
       return SampleType::u8;
@@ -68,8 +74,7 @@ Result<SampleType> parse_datatype(const std::string& path, int code) {
     default:
       break;
   }
-  const char* meaning = code == 128 || code == 2304                  ? " (colours)"
-                        : code == 32 || code == 1792 || code == 2048 ? " (complex numbers)"
+  const char* meaning = code == 32 || code == 1792 || code == 2048 ? " (complex numbers)"
                         : code == 1024 || code == 1280 || code == 1536
                             ? " (more than 64 bits, or 64-bit integers)"
                             : "";
@@ -210,7 +215,12 @@ Result<VolumeFile> parse_nifti(const std::string& path) {
     return file_error(path, "magic: expected n+1 for a header and its samples in one file, found ni1");
   }
   GVX_TRY(interpret_dimensions(header, file.description));
-  GVX_ASSIGN(file.description.type, parse_datatype(path, header.short_at(70)));
+  const int datatype = header.short_at(70);
+  GVX_ASSIGN(file.description.type, parse_datatype(path, datatype));
+  if (const int components = color_components(datatype); components > 0) {
+    file.description.components = components;
+    file.description.colors = true;
+  }
   interpret_place(header, analyze, file.description);
   if (!analyze) {
     GVX_TRY(interpret_values(header, file.description));

@@ -17,6 +17,7 @@ struct Axis {
   double spacing = 1;
   std::optional<Vec3d> direction;
   bool spatial = true;
+  bool colors = false;
 };
 
 const std::string* find(const NrrdFields& fields, const char* name) {
@@ -110,18 +111,30 @@ Result<std::vector<Axis>> parse_axes(const NrrdFields& fields, const std::string
       return file_error(path, "kinds: expected " + *dimension + " words, found " + quoted(*kinds));
     }
     for (std::size_t i = 0; i < axes.size(); ++i) {
-      if (!is_spatial_kind(lower_case(names[i]))) axes[i].spatial = false;
+      const std::string kind = lower_case(names[i]);
+      if (!is_spatial_kind(kind)) axes[i].spatial = false;
+      axes[i].colors = kind == "rgb-color" || kind == "rgba-color" || kind == "3-color" || kind == "4-color";
     }
   }
   return axes;
+}
+
+/// Takes a first axis of two to four numbers a voxel for the voxels' components.
+void take_components(std::vector<Axis>& axes, VolumeDescription& description) {
+  const Axis& first = axes.front();
+  if (first.spatial || first.size < 2 || first.size > 4) return;
+  description.components = static_cast<int>(first.size);
+  description.colors = first.colors && first.size >= 3;
+  axes.erase(axes.begin());
 }
 
 Status keep_three_axes(const std::string& path, std::vector<Axis>& axes) {
   const std::size_t stated = axes.size();
   for (const Axis& axis : axes) {
     if (!axis.spatial && axis.size > 1) {
-      return file_error(path, "kinds: expected one number a voxel, found an axis of " +
-                                  std::to_string(axis.size) + " colours, vector components or the like");
+      return file_error(path,
+                        "kinds: expected one to four numbers a voxel, in the first axis, found an axis of " +
+                            std::to_string(axis.size) + " vector components or the like");
     }
   }
   std::erase_if(axes, [](const Axis& axis) { return !axis.spatial; });
@@ -163,6 +176,7 @@ double millimetres_per_unit(const std::string& units) {
 Status interpret_nrrd_axes(const NrrdFields& fields, VolumeDescription& description) {
   const std::string& path = description.path;
   GVX_ASSIGN(std::vector<Axis> axes, parse_axes(fields, path));
+  take_components(axes, description);
   GVX_TRY(keep_three_axes(path, axes));
   description.dimensions = {axes[0].size, axes[1].size, axes[2].size};
 

@@ -151,7 +151,18 @@ TEST(Nrrd, TwoAndFourAxes) {
   EXPECT_EQ(describe(path).value().dimensions, kSmallDimensions);
   write_file(path, "NRRD0004\ndimension: 3\nsizes: 3 4 2\nkinds: RGB-color domain domain\n" + tail + "\n" +
                        little_u8());
-  EXPECT_NE(outcome(describe(path)).find("expected one number a voxel"), std::string::npos);
+  EXPECT_EQ(describe(path).value().dimensions, Vec3i(4, 2, 1));
+  EXPECT_EQ(describe(path).value().components, 3);
+  EXPECT_TRUE(describe(path).value().colors);
+  write_file(path, "NRRD0004\ndimension: 4\nsizes: 2 4 3 1\nkinds: vector domain domain domain\n" + tail +
+                       "\n" + little_u8());
+  EXPECT_EQ(describe(path).value().components, 2);
+  EXPECT_FALSE(describe(path).value().colors);
+  for (const char* sizes : {"6 4 1\nkinds: vector domain domain", "4 3 2\nkinds: domain domain RGB-color"}) {
+    write_file(path,
+               std::string("NRRD0004\ndimension: 3\nsizes: ") + sizes + "\n" + tail + "\n" + little_u8());
+    EXPECT_NE(outcome(describe(path)).find("expected one to four numbers a voxel"), std::string::npos);
+  }
   write_file(path, "NRRD0004\ndimension: 4\nsizes: 2 2 3 2\n" + tail + "\n" + little_u8());
   EXPECT_NE(outcome(describe(path)).find("found 4 axes"), std::string::npos);
   write_file(path, "NRRD0004\ndimension: 1\nsizes: 24\n" + tail + "\n" + little_u8());

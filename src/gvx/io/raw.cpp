@@ -79,6 +79,7 @@ Result<VolumeFile> describe_raw(const std::string& path, const RawOptions& given
   file.description.path = path;
   file.description.dimensions = *options.dimensions;
   file.description.type = *options.type;
+  file.description.components = options.components;
   file.description.big_endian = options.big_endian.value_or(false);
   if (options.spacing) {
     GVX_TRY(check_spacing(path, *options.spacing));

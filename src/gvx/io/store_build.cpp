@@ -45,10 +45,44 @@ std::optional<Conversion> lossless_conversion(SampleType from, VoxelType to) {
   return Conversion{to, bias, 1};
 }
 
+/// What the volume's voxels become; an error where they cannot be that.
+Result<VoxelFormat> choose_format(const VolumeDescription& d, const StoreBuildOptions& options) {
+  const auto components = static_cast<std::uint32_t>(d.components);
+  if (options.labels) {
+    const VoxelType type = natural_type(d.type);
+    if (components != 1 || type == VoxelType::f32) {
+      return Error{d.path + ": labels: expected one integer of 8 or 16 bits a voxel"};
+    }
+    return VoxelFormat{type, VoxelContent::labels, 1};
+  }
+  if (d.colors) {
+    if (d.type != SampleType::u8) return Error{d.path + ": colours: expected u8 components"};
+    return VoxelFormat{VoxelType::u8, VoxelContent::color, 4};
+  }
+  return VoxelFormat{options.type.value_or(natural_type(d.type)), VoxelContent::scalar, components};
+}
+
+/// Red, green and blue are multiplied by the opacity. Where there is none it is the brightest of the three,
+/// so that black is nothing.
+void premultiply(std::span<const std::byte> samples, std::size_t components, std::vector<std::byte>& voxels) {
+  const auto* in = reinterpret_cast<const std::uint8_t*>(samples.data());
+  const std::size_t count = samples.size() / components;
+  voxels.resize(4 * count);
+  auto* out = reinterpret_cast<std::uint8_t*>(voxels.data());
+  for (std::size_t i = 0; i < count; ++i, in += components, out += 4) {
+    const int opacity = components == 4 ? in[3] : std::max({in[0], in[1], in[2]});
+    for (int c = 0; c < 3; ++c) {
+      // Without an opacity of its own the colour is multiplied by it already.
+      out[c] = components == 4 ? static_cast<std::uint8_t>((in[c] * opacity + 127) / 255) : in[c];
+    }
+    out[3] = static_cast<std::uint8_t>(opacity);
+  }
+}
+
 /// Reads slices a batch ahead of whoever takes them.
 class BatchReader {
  public:
-  BatchReader(VolumeReader& reader, std::int64_t batch)
+  BatchReader(SliceReader& reader, std::int64_t batch)
       : reader_(reader), batch_(batch), slice_(slice_bytes(reader.description())) {
     begin_next();
   }
@@ -75,7 +109,7 @@ class BatchReader {
     next_ = std::async(std::launch::async, [this, count] { return reader_.read_slices(count, reading_); });
   }
 
-  VolumeReader& reader_;
+  SliceReader& reader_;
   std::int64_t batch_;
   std::uint64_t slice_;
   std::vector<std::byte> reading_, current_;
@@ -159,12 +193,12 @@ std::string mebibytes(std::uint64_t bytes) {
 
 }  // namespace
 
-Result<StoreBuildReport> build_store(const exec::Device& cpu, VolumeReader& reader, const std::string& path,
+Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reader, const std::string& path,
                                      const StoreBuildOptions& options, const BuildProgress& progress) {
   const VolumeDescription& d = reader.description();
   store::VolumeInfo info;
   info.shape = store::TreeShape::covering(d.dimensions, options.n, options.m);
-  info.format.type = options.type.value_or(natural_type(d.type));
+  GVX_ASSIGN(info.format, choose_format(d, options));
   info.codec = options.codec;
   info.voxel_to_world = d.voxel_to_world;
   info.anatomical = d.anatomical;
@@ -185,7 +219,9 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, VolumeReader& read
   }
 
   Conversion conversion;
-  const auto lossless = lossless_conversion(d.type, info.format.type);
+  const bool keeps_numbers = info.format.content != VoxelContent::scalar;
+  const auto lossless = keeps_numbers ? std::optional(Conversion{info.format.type, 0, 1})
+                                      : lossless_conversion(d.type, info.format.type);
   const std::uint64_t all = volume_bytes(d) * (lossless ? 1 : 2);
   std::uint64_t done = 0;
   const auto report_progress = [&](std::size_t bytes) {
@@ -225,7 +261,10 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, VolumeReader& read
     GVX_ASSIGN(const auto samples, batches.take());
     if (samples.empty()) break;
     const auto slices = static_cast<std::int64_t>(samples.size() / slice);
-    if (same_bytes(d.type, conversion)) {
+    if (info.format.content == VoxelContent::color) {
+      premultiply(samples, static_cast<std::size_t>(d.components), voxels);
+      GVX_TRY(pyramid.push_slices(slices, voxels));
+    } else if (same_bytes(d.type, conversion)) {
       GVX_TRY(pyramid.push_slices(slices, samples));
     } else {
       report.not_finite += convert(cpu, d.type, conversion, samples, voxels);

@@ -1,6 +1,7 @@
 /// \file
 /// build_store: another program's volume file into a .gvx store, in bounded memory and one pass, or two where
-/// the values must be known before they can be converted.
+/// the values must be known before they can be converted. Volumes of several numbers a voxel become channels,
+/// or colours where their file says that they are.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +24,8 @@ struct StoreBuildOptions {
   /// Of the voxels; if not given the narrowest that keeps every value of 8 or 16 bits, and f32 for the wider
   /// ones.
   std::optional<VoxelType> type;
+  /// The numbers are labels: they keep their values, and coarser levels take the most frequent.
+  bool labels = false;
   std::uint64_t memory_bytes = 1ull << 30;  ///< bound of what the build holds at once
 };
 
@@ -39,7 +42,7 @@ using BuildProgress = std::function<void(std::uint64_t done, std::uint64_t all)>
 
 /// Reads all slices of `reader`, which stands at its first, and writes the store to `path`, replacing what is
 /// there. On failure, and until all is written, `path` is as it was.
-Result<StoreBuildReport> build_store(const exec::Device& cpu, VolumeReader& reader, const std::string& path,
+Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reader, const std::string& path,
                                      const StoreBuildOptions& options, const BuildProgress& progress);
 
 }  // namespace gvx::io

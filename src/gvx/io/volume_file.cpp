@@ -19,7 +19,8 @@ bool finite(Vec3d v) {
 
 std::uint64_t slice_bytes(const VolumeDescription& description) {
   return static_cast<std::uint64_t>(description.dimensions.x) *
-         static_cast<std::uint64_t>(description.dimensions.y) * sample_bytes(description.type);
+         static_cast<std::uint64_t>(description.dimensions.y) * sample_bytes(description.type) *
+         static_cast<std::uint64_t>(description.components);
 }
 
 std::uint64_t volume_bytes(const VolumeDescription& description) {
@@ -27,7 +28,11 @@ std::uint64_t volume_bytes(const VolumeDescription& description) {
 }
 
 Status check_description(const VolumeDescription& description) {
-  std::uint64_t bytes = sample_bytes(description.type);
+  if (description.components < 1 || description.components > 4) {
+    return file_error(description.path, "components: expected 1 to 4 numbers a voxel, found " +
+                                            std::to_string(description.components));
+  }
+  std::uint64_t bytes = sample_bytes(description.type) * static_cast<std::uint64_t>(description.components);
   for (int axis = 0; axis < 3; ++axis) {
     const std::int64_t length = description.dimensions[axis];
     if (length < 1 || length > kLongestAxis) {

@@ -25,6 +25,8 @@ struct VolumeDescription {
   std::string path;  ///< The file that was asked for; messages name it.
   Vec3i dimensions;  ///< Voxels along x, y and z, each from 1 to 2^31-1.
   SampleType type = SampleType::u8;
+  int components = 1;       ///< Samples a voxel, 1 to 4, side by side.
+  bool colors = false;      ///< They are red, green, blue and, if there are four, opacity.
   bool big_endian = false;  ///< In the file; readers hand out native byte order.
   Affine3 voxel_to_world;   ///< From voxel space to world space, in the file's units unless anatomical.
   bool anatomical =

@@ -93,9 +93,9 @@ Result<VolumeFile> describe(const std::string& path, const RawOptions& raw) {
         "name: expected .nrrd, .nhdr, .nii, .nii.gz, .hdr, .img, .mha, .mhd, .raw, .bin or .dat, or "
         "dimensions for raw samples");
   }
-  if (raw.dimensions || raw.type || raw.big_endian || raw.offset != 0) {
-    return file_error(path,
-                      "describes itself: dimensions, type, byte order and offset are for raw files only");
+  if (raw.dimensions || raw.type || raw.big_endian || raw.offset != 0 || raw.components != 1) {
+    return file_error(
+        path, "describes itself: dimensions, type, components, byte order and offset are for raw files only");
   }
   GVX_ASSIGN(VolumeFile file, parse(path));
   GVX_TRY(check_description(file.description));

@@ -17,25 +17,36 @@
 
 namespace gvx::io {
 
+/// A volume that is read slice by slice.
+class SliceReader {
+ public:
+  virtual ~SliceReader() = default;
+
+  virtual const VolumeDescription& description() const = 0;
+
+  /// Writes the next `count` slices, x fastest, in native byte order. `out` holds exactly count*slice_bytes
+  /// bytes, and as many slices must be left. An error where the data end early or are broken; after one, only
+  /// rewind() helps.
+  virtual Status read_slices(std::int64_t count, std::span<std::byte> out) = 0;
+
+  /// The slice that read_slices() reads next.
+  virtual std::int64_t next_slice() const = 0;
+
+  /// Goes back to slice 0; an error for pipes.
+  virtual Status rewind() = 0;
+};
+
 /// Reads the z-slices of one volume in order.
-class VolumeReader {
+class VolumeReader final : public SliceReader {
  public:
   /// Fails where check_description() does, the data file cannot be read, or its size shows that it is too
   /// short (or longer than exact_size allows); of packed data that shows only while reading.
   static Result<std::unique_ptr<VolumeReader>> open(VolumeFile file);
 
-  const VolumeDescription& description() const { return file_.description; }
-
-  /// Writes the next `count` slices, x fastest, in native byte order. `out` holds exactly count*slice_bytes
-  /// bytes, and as many slices must be left. An error where the data end early or are broken; after one, only
-  /// rewind() helps.
-  Status read_slices(std::int64_t count, std::span<std::byte> out);
-
-  /// The slice that read_slices() reads next.
-  std::int64_t next_slice() const { return next_slice_; }
-
-  /// Goes back to slice 0; an error for pipes.
-  Status rewind();
+  const VolumeDescription& description() const override { return file_.description; }
+  Status read_slices(std::int64_t count, std::span<std::byte> out) override;
+  std::int64_t next_slice() const override { return next_slice_; }
+  Status rewind() override;
 
   /// Bytes of the data file, as it is on disk, that have been passed so far.
   std::uint64_t bytes_consumed() const { return stream_->bytes_consumed(); }

@@ -123,6 +123,10 @@ class RayMarcher {
     step.level = level;
     step.stride = frame.stride[level];
     step.t_centre = t_at(static_cast<double>(step.tick) + 0.5 * static_cast<double>(step.stride));
+    // A projection has a value wherever there is volume, be it less than half a step of it.
+    if (projects() && step.tick == 0 && !(step.t_centre < inside_.exit)) {
+      step.t_centre = 0.5 * (inside_.enter + inside_.exit);
+    }
     if (inside_.empty() || !(step.t_centre < inside_.exit)) {
       finish(state);
       return false;

@@ -206,19 +206,23 @@ TransferFunction label_colors(std::uint32_t labels);
 
 /// What is known of a volume when no transfer function is given.
 struct ValueStatistics {
-  double minimum = 0, maximum = 0;       ///< physical
-  std::vector<std::uint64_t> histogram;  ///< equal bins from minimum to maximum; may be empty
+  double minimum = 0, maximum = 0;            ///< physical
+  std::vector<std::uint64_t> histogram = {};  ///< equal bins from minimum to maximum; may be empty
+  bool anatomical = false;                    ///< of a patient
+  std::uint32_t channel = 0, channels = 1;
 };
 
 /// Statistics of stored values, in physical ones.
 ValueStatistics physical_statistics(ValueRange stored, std::vector<std::uint64_t> histogram, double scale,
                                     double offset);
 
-/// A ready transfer function by name; "gray" fits itself to the statistics, the CT presets speak of
-/// Hounsfield units.
+/// A ready transfer function by name. The CT presets speak of Hounsfield units, the others fit themselves to
+/// the statistics: "mr" to the border between air and tissue, "microscopy" to the brightest few per cent,
+/// "ramp" is for projections.
 Result<TransferFunction> preset(const std::string& name, const ValueStatistics& statistics);
 
-/// The preset that suits values like these: a CT by its Hounsfield range, "gray" for the rest.
+/// The preset that suits values like these: a CT by its Hounsfield range, "mr" for other scans of patients,
+/// "microscopy" for several channels, "gray" for the rest.
 std::string suggest_preset(const ValueStatistics& statistics);
 
 }  // namespace gvx::scene

@@ -157,6 +157,8 @@ TEST(Presets, all_are_sound_whatever_the_statistics) {
   EXPECT_FALSE(preset("rainbow", {}).ok());
   EXPECT_EQ(suggest_preset({-1024, 2986, {}}), "ct-bone");
   EXPECT_EQ(suggest_preset({0, 255, {}}), "gray");
+  EXPECT_EQ(suggest_preset({0, 255, {}, true}), "mr");
+  EXPECT_EQ(suggest_preset({0, 255, {}, false, 0, 3}), "microscopy");
 }
 
 }  // namespace

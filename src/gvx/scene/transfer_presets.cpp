@@ -8,7 +8,8 @@
 namespace gvx::scene {
 namespace {
 
-constexpr std::array<const char*, 5> kNames = {"ct-bone", "ct-skin", "ct-tissue", "gray", "solid"};
+constexpr std::array<const char*, 8> kNames = {"ct-bone",    "ct-skin", "ct-tissue", "mr",
+                                               "microscopy", "gray",    "solid",     "ramp"};
 
 /// The physical value below which `share` of the voxels lie.
 double percentile(const ValueStatistics& s, double share) {
@@ -62,6 +63,69 @@ TransferFunction gray(const ValueStatistics& s) {
 }
 
 /// What is above the middle of the values, as a surface.
+/// The value that parts the histogram into the two most compact groups (Otsu 1979); the middle where there is
+/// none.
+double otsu_threshold(const ValueStatistics& s) {
+  const std::size_t bins = s.histogram.size();
+  double all = 0, moment = 0;
+  for (std::size_t i = 0; i < bins; ++i) {
+    all += static_cast<double>(s.histogram[i]);
+    moment += static_cast<double>(i) * static_cast<double>(s.histogram[i]);
+  }
+  double best = -1, below = 0, below_moment = 0;
+  std::size_t first = bins / 2, last = first;  // equally good bins: an empty valley
+  for (std::size_t i = 0; i + 1 < bins; ++i) {
+    below += static_cast<double>(s.histogram[i]);
+    below_moment += static_cast<double>(i) * static_cast<double>(s.histogram[i]);
+    if (below <= 0 || below >= all) continue;
+    const double apart = below_moment / below - (moment - below_moment) / (all - below);
+    const double between = below * (all - below) * apart * apart;
+    if (between > best * (1 + 1e-12)) {
+      best = between;
+      first = i;
+    }
+    if (between >= best * (1 - 1e-12)) last = i;
+  }
+  const double place =
+      bins > 0 ? (0.5 * static_cast<double>(first + last) + 1) / static_cast<double>(bins) : 0.5;
+  return s.minimum + place * (s.maximum - s.minimum);
+}
+
+/// A head from outside: what is brighter than air.
+TransferFunction mr(const ValueStatistics& s) {
+  const double air = s.minimum, tissue = otsu_threshold(s);
+  const double top = std::max(s.histogram.empty() ? s.maximum : percentile(s, 0.998), tissue + 1e-9);
+  const auto at = [&](double share) { return air + share * (tissue - air); };
+  return {{{at(0.4), {0.55, 0.36, 0.30}},
+           {at(1), {0.80, 0.62, 0.52}},
+           {0.5 * (tissue + top), {0.93, 0.84, 0.74}},
+           {top, {1, 0.98, 0.93}}},
+          {{at(0.45), 0}, {at(0.9), 0.25}, {at(1.2), 0.5}, {std::max(top, at(1.3)), 0.9}},
+          0};
+}
+
+/// Light from the brightest few per cent, one hue a channel; nothing hides much of what is behind it.
+TransferFunction microscopy(const ValueStatistics& s) {
+  constexpr std::array<Vec3d, 4> kHues = {Vec3d(0.25, 1, 0.35), Vec3d(1, 0.2, 0.9), Vec3d(0.25, 0.75, 1),
+                                          Vec3d(1, 0.85, 0.2)};
+  const Vec3d hue = s.channels > 1 ? kHues[s.channel % 4] : Vec3d(0.55, 1, 0.75);
+  const double width = std::max(s.maximum - s.minimum, 1e-30);
+  const double low = s.histogram.empty() ? s.minimum + 0.2 * width : percentile(s, 0.85);
+  const double high = std::max(s.histogram.empty() ? s.maximum : percentile(s, 0.9995), low + 0.02 * width);
+  return {{{low, 0.35 * hue}, {0.5 * (low + high), 0.8 * hue}, {high, 0.4 * hue + Vec3d(0.6)}},
+          {{low, 0}, {low + 0.4 * (high - low), 0.02}, {high, 0.25}},
+          0};
+}
+
+/// Black to white and opaque, for projections.
+TransferFunction ramp(const ValueStatistics& s) {
+  const double low = s.histogram.empty() ? s.minimum : percentile(s, 0.005);
+  const double high = s.histogram.empty() ? s.maximum : percentile(s, 0.9998);
+  return {{{low, {0, 0, 0}}, {std::max(high, low + 1e-9 * std::max(1.0, std::abs(low))), {1, 1, 1}}},
+          {{low, 1}},
+          0};
+}
+
 TransferFunction solid(const ValueStatistics& s) {
   const double width = std::max(s.maximum - s.minimum, 1e-30);
   const auto at = [&](double share) { return s.minimum + share * width; };
@@ -105,6 +169,9 @@ Result<TransferFunction> preset(const std::string& name, const ValueStatistics& 
   if (name == "ct-bone") return ct_bone();
   if (name == "ct-skin") return ct_skin();
   if (name == "ct-tissue") return ct_tissue();
+  if (name == "mr") return mr(statistics);
+  if (name == "microscopy") return microscopy(statistics);
+  if (name == "ramp") return ramp(statistics);
   if (name == "gray") return gray(statistics);
   if (name == "solid") return solid(statistics);
   std::string known;
@@ -114,7 +181,9 @@ Result<TransferFunction> preset(const std::string& name, const ValueStatistics& 
 
 std::string suggest_preset(const ValueStatistics& s) {
   const bool hounsfield = s.minimum <= -500 && s.minimum >= -4096 && s.maximum >= 700 && s.maximum <= 32767;
-  return hounsfield ? "ct-bone" : "gray";
+  if (hounsfield && s.channels == 1) return "ct-bone";
+  if (s.channels > 1) return "microscopy";
+  return s.anatomical && s.minimum >= 0 ? "mr" : "gray";
 }
 
 }  // namespace gvx::scene

@@ -1,0 +1,47 @@
+#include "gvx/io/channel_merger.h"
+
+#include <cstring>
+
+#include "gvx/io/header_text.h"
+
+namespace gvx::io {
+
+ChannelMerger::ChannelMerger(std::vector<std::unique_ptr<VolumeReader>> channels)
+    : channels_(std::move(channels)), description_(channels_.front()->description()) {
+  description_.components = static_cast<int>(channels_.size());
+}
+
+Result<std::unique_ptr<ChannelMerger>> ChannelMerger::merge(
+    std::vector<std::unique_ptr<VolumeReader>> channels) {
+  GVX_CHECK(!channels.empty());
+  const VolumeDescription& first = channels.front()->description();
+  if (channels.size() > 4) return file_error(first.path, "channels: expected at most 4 volumes");
+  for (const auto& channel : channels) {
+    const VolumeDescription& d = channel->description();
+    if (d.components != 1) return file_error(d.path, "channels: expected volumes of one number a voxel");
+    if (d.dimensions != first.dimensions || d.type != first.type) {
+      return file_error(d.path, "channels: expected the dimensions and sample type of " + first.path);
+    }
+  }
+  return std::unique_ptr<ChannelMerger>(new ChannelMerger(std::move(channels)));
+}
+
+Status ChannelMerger::read_slices(std::int64_t count, std::span<std::byte> out) {
+  const std::size_t width = sample_bytes(description_.type), channels = channels_.size();
+  slices_.resize(out.size() / channels);
+  for (std::size_t c = 0; c < channels; ++c) {
+    GVX_TRY(channels_[c]->read_slices(count, slices_));
+    std::byte* to = out.data() + c * width;
+    for (std::size_t at = 0; at < slices_.size(); at += width, to += channels * width) {
+      std::memcpy(to, slices_.data() + at, width);
+    }
+  }
+  return {};
+}
+
+Status ChannelMerger::rewind() {
+  for (const auto& channel : channels_) GVX_TRY(channel->rewind());
+  return {};
+}
+
+}  // namespace gvx::io

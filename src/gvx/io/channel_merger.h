@@ -1,0 +1,32 @@
+/// \file
+/// ChannelMerger: several volumes of the same shape as one whose voxels have a component from each, as
+/// microscopes write one file a channel.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "gvx/io/volume_reader.h"
+
+namespace gvx::io {
+
+class ChannelMerger final : public SliceReader {
+ public:
+  /// Two to four volumes of one component; an error that names the first whose dimensions or sample type are
+  /// not those of the first. Place and value scale are the first one's.
+  static Result<std::unique_ptr<ChannelMerger>> merge(std::vector<std::unique_ptr<VolumeReader>> channels);
+
+  const VolumeDescription& description() const override { return description_; }
+  Status read_slices(std::int64_t count, std::span<std::byte> out) override;
+  std::int64_t next_slice() const override { return channels_.front()->next_slice(); }
+  Status rewind() override;
+
+ private:
+  explicit ChannelMerger(std::vector<std::unique_ptr<VolumeReader>> channels);
+
+  std::vector<std::unique_ptr<VolumeReader>> channels_;
+  VolumeDescription description_;
+  std::vector<std::byte> slices_;
+};
+
+}  // namespace gvx::io

@@ -1,0 +1,277 @@
+#include "gvx/scene/scene_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <set>
+
+#include "gvx/scene/json_fields.h"
+
+namespace gvx::scene {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kLargestFile = 16u << 20;
+constexpr NumberRange kAny{};
+constexpr NumberRange kShare{0, 1};
+constexpr NumberRange kAboveZero{.least = 0, .open = true};
+constexpr NumberRange kPixels{1, 32768, true};
+constexpr NumberRange kVoxels{1, 0x7fffffff, true};
+constexpr NumberRange kComponents{1, kMaxChannels, true};
+constexpr NumberRange kBytes{0, 0x1p53, true};
+constexpr NumberRange kFieldOfView{.least = 0, .most = 180, .open = true};
+constexpr NumberRange kWeight{0, 100};
+constexpr NumberRange kShininess{0, 10000};
+constexpr NumberRange kRays{1, 8, true};
+constexpr NumberRange kSamples{1, 1000};
+constexpr std::array<const char*, 8> kTypes = {"u8", "i8", "u16", "i16", "u32", "i32", "f32", "f64"};
+constexpr std::array<const char*, 2> kByteOrders = {"little", "big"};
+
+std::string item(const std::string& list, std::size_t i) {
+  return list + "[" + std::to_string(i) + "]";
+}
+
+Vec3d vector_of(const std::vector<double>& row, std::size_t first = 0) {
+  return {row[first], row[first + 1], row[first + 2]};
+}
+
+std::optional<Vec3d> vector_of(const std::optional<std::vector<double>>& row) {
+  return row ? std::optional(vector_of(*row)) : std::nullopt;
+}
+
+std::vector<NumberRange> three(NumberRange range) {
+  return {range, range, range};
+}
+
+Result<RawParts> read_raw(const Json& object, const std::string& place) {
+  JsonFields fields(object, place);
+  RawParts raw;
+  if (const auto dimensions = vector_of(fields.row("dims", three(kVoxels))))
+    raw.dimensions = Vec3i(*dimensions);
+  if (const auto type = fields.choice("dtype", kTypes)) raw.type = kTypes[*type];
+  if (const auto order = fields.choice("endian", kByteOrders)) raw.big_endian = *order == 1;
+  if (const auto offset = fields.number("offset", kBytes)) raw.offset = static_cast<std::int64_t>(*offset);
+  raw.spacing = vector_of(fields.row("spacing", three(kAboveZero)));
+  if (const auto count = fields.number("components", kComponents)) raw.components = static_cast<int>(*count);
+  GVX_TRY(fields.finish());
+  return raw;
+}
+
+CameraParts read_camera_fields(JsonFields& fields, const std::string& place) {
+  CameraParts camera;
+  camera.eye = vector_of(fields.row("eye", three(kAny)));
+  camera.target = vector_of(fields.row("target", three(kAny)));
+  camera.up = vector_of(fields.row("up", three(kAny)));
+  camera.fov_degrees = fields.number("fov", kFieldOfView);
+  camera.height_world = fields.number("height", kAboveZero);
+  if (camera.fov_degrees && camera.height_world) fields.fail(place, "fov or height", "both");
+  return camera;
+}
+
+Result<CameraParts> read_camera(const Json& object, const std::string& place) {
+  JsonFields fields(object, place);
+  const CameraParts camera = read_camera_fields(fields, place);
+  GVX_TRY(fields.finish());
+  return camera;
+}
+
+Result<KeyFrameParts> read_key_frame(const Json& object, const std::string& place) {
+  JsonFields fields(object, place);
+  KeyFrameParts key;
+  const auto frame = fields.number("frame", kAny);
+  if (frame) key.frame = *frame;
+  key.camera = read_camera_fields(fields, place);
+  GVX_TRY(fields.finish());
+  if (!frame) return field_error(place + ".frame", "a number", "nothing");
+  return key;
+}
+
+Result<FunctionParts> read_function(const Json& value, const std::string& place) {
+  FunctionParts function;
+  if (value.is_string() && !value.get_ref<const std::string&>().empty()) {
+    function.from = value.get<std::string>();
+    return function;
+  }
+  if (!value.is_object()) return field_error(place, "a name or an object", describe(value));
+  JsonFields fields(value, place);
+  function.from = fields.text("from").value_or("");
+  for (const auto& row : fields.rows("colors", {kAny, kShare, kShare, kShare})) {
+    function.colors.push_back({row[0], vector_of(row, 1)});
+  }
+  for (const auto& row : fields.rows("opacities", {kAny, kShare}))
+    function.opacities.push_back({row[0], row[1]});
+  function.unit_distance = fields.number("unitDistance", {.least = 0});
+  for (const auto& row : fields.rows("gradients", {{.least = 0}, kShare})) {
+    function.gradients.push_back({row[0], row[1]});
+  }
+  GVX_TRY(fields.finish());
+  if (function.from.empty() && (function.colors.empty() || function.opacities.empty())) {
+    return field_error(place, "colors and opacities, or from", "only some of them");
+  }
+  // Points out of order are told here, where their place is known; what `from` names is ordered by itself.
+  if (const auto whole = function.over({{{0, {}}}, {{0, 0}}}); !whole.ok()) {
+    return Error{place + ": " + whole.error().message};
+  }
+  return function;
+}
+
+Result<Light> read_light(const Json& object, const std::string& place) {
+  JsonFields fields(object, place);
+  Light light;
+  if (const auto kind = fields.choice("kind", kLightKindNames)) light.kind = static_cast<LightKind>(*kind);
+  const auto where = vector_of(fields.row("place", three(kAny)));
+  if (where) light.place = *where;
+  if (const auto color = vector_of(fields.row("color", three(kWeight)))) light.color = Vec3f(*color);
+  GVX_TRY(fields.finish());
+  if (!where) return field_error(place + ".place", "a list of 3 numbers", "nothing");
+  if (light.kind != LightKind::point && !(length(light.place) > 0)) {
+    return field_error(place + ".place", "a direction", "[0,0,0]");
+  }
+  return light;
+}
+
+template <typename Item, typename Read>
+void read_items(JsonFields& fields, const char* name, std::vector<Item>& items, Read read) {
+  const Json* list = fields.list(name);
+  if (list == nullptr) return;
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    auto value = read((*list)[i], item(fields.place_of(name), i));
+    if (!value.ok()) return fields.take(value.error());
+    items.push_back(std::move(value).value());
+  }
+}
+
+Result<LightingParts> read_lighting(const Json& object, const std::string& place) {
+  JsonFields fields(object, place);
+  LightingParts lighting;
+  lighting.enabled = fields.boolean("enabled");
+  lighting.ambient = fields.number("ambient", kWeight);
+  lighting.diffuse = fields.number("diffuse", kWeight);
+  lighting.specular = fields.number("specular", kWeight);
+  lighting.shininess = fields.number("shininess", kShininess);
+  if (object.is_object() && object.contains("lights")) lighting.lights.emplace();
+  std::vector<Light> lights;
+  read_items(fields, "lights", lights, read_light);
+  if (lights.size() > Lighting::kMostLights) {
+    fields.fail(fields.place_of("lights"), "at most " + std::to_string(Lighting::kMostLights) + " lights",
+                std::to_string(lights.size()));
+  }
+  if (lighting.lights) lighting.lights = std::move(lights);
+  GVX_TRY(fields.finish());
+  return lighting;
+}
+
+template <typename Parts, typename Read>
+void read_object(JsonFields& fields, const char* name, Parts& parts, Read read) {
+  const Json* value = fields.any(name);
+  if (value == nullptr) return;
+  auto result = read(*value, fields.place_of(name));
+  if (!result.ok()) return fields.take(result.error());
+  parts = std::move(result).value();
+}
+
+void read_functions(JsonFields& fields, SceneFile& scene) {
+  read_items(fields, "functions", scene.functions, read_function);
+  if (scene.functions.size() > kMaxChannels) {
+    fields.fail("functions", "at most " + std::to_string(kMaxChannels),
+                std::to_string(scene.functions.size()));
+  }
+  const bool several = !scene.functions.empty();
+  FunctionParts one;
+  read_object(fields, "function", one, read_function);
+  if (one == FunctionParts{}) return;
+  if (several) fields.fail("function", "function or functions", "both");
+  scene.functions = {one};
+}
+
+Result<SceneFile> read_document(const Json& document) {
+  JsonFields fields(document, "");
+  SceneFile scene;
+  scene.volume = fields.text("volume");
+  read_object(fields, "raw", scene.raw, read_raw);
+  if (const auto size = fields.row("size", {kPixels, kPixels})) {
+    scene.width = static_cast<std::uint32_t>((*size)[0]);
+    scene.height = static_cast<std::uint32_t>((*size)[1]);
+  }
+  if (const auto rays = fields.number("antialias", kRays))
+    scene.antialias = static_cast<std::uint32_t>(*rays);
+  read_object(fields, "camera", scene.camera, read_camera);
+  read_items(fields, "cameraPath", scene.camera_path, read_key_frame);
+  if (const auto mode = fields.choice("mode", kModeNames)) scene.mode = static_cast<Mode>(*mode);
+  scene.isovalue = fields.number("isovalue", kAny);
+  read_functions(fields, scene);
+  read_object(fields, "lighting", scene.lighting, read_lighting);
+  if (const auto clip = fields.row("clip", {kAny, kAny, kAny, kAny, kAny, kAny})) {
+    scene.clip = Box3d{vector_of(*clip), vector_of(*clip, 3)};
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(scene.clip->minimum[axis] < scene.clip->maximum[axis])) {
+        fields.fail("clip", "each minimum below its maximum", fields.any("clip")->dump());
+      }
+    }
+  }
+  scene.background = vector_of(fields.row("background", three(kShare)));
+  scene.transparent = fields.boolean("transparent");
+  scene.samples = fields.number("samples", kSamples);
+  scene.finest = fields.boolean("finest");
+  GVX_TRY(fields.finish());
+  return scene;
+}
+
+/// "line 3, column 7" of the byte that a parser counts from 1.
+std::string line_and_column(const std::string& text, std::size_t byte) {
+  const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(byte > 0 ? byte - 1 : 0, text.size()));
+  const auto line_start = std::find(std::make_reverse_iterator(end), text.rend(), '\n').base();
+  return "line " + std::to_string(1 + std::count(text.begin(), end, '\n')) + ", column " +
+         std::to_string(1 + (end - line_start));
+}
+
+/// An error also where one object has two fields of one name, of which the library would drop the first.
+Result<Json> parse_json(const std::string& text) {
+  std::vector<std::set<std::string>> open_objects;
+  std::optional<std::string> twice;
+  const auto watch = [&](int, Json::parse_event_t event, Json& parsed) {
+    if (event == Json::parse_event_t::object_start) open_objects.emplace_back();
+    if (event == Json::parse_event_t::object_end) open_objects.pop_back();
+    if (event == Json::parse_event_t::key && !open_objects.back().insert(parsed.get<std::string>()).second &&
+        !twice) {
+      twice = describe(parsed);
+    }
+    return true;
+  };
+  try {
+    Json document = Json::parse(text, watch, true, true);
+    if (twice) return Error{"expected each field once, found " + *twice + " twice in one object"};
+    return document;
+  } catch (const Json::parse_error& error) {
+    return Error{"not JSON at " + line_and_column(text, error.byte)};
+  } catch (const Json::exception&) {
+    return Error{"expected numbers up to 1e308, found a greater one"};
+  }
+}
+
+}  // namespace
+
+Result<SceneFile> parse_scene(const std::string& text, const std::string& name) {
+  const auto in_file = [&](const Error& error) { return Error{name + ": " + error.message}; };
+  const auto document = parse_json(text);
+  if (!document.ok()) return in_file(document.error());
+  auto scene = read_document(document.value());
+  if (!scene.ok()) return in_file(scene.error());
+  return scene;
+}
+
+Result<SceneFile> read_scene(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return Error{path + ": cannot open: " + std::strerror(errno)};
+  std::string text(kLargestFile + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (file.bad()) return Error{path + ": cannot read"};
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() > kLargestFile) return Error{path + ": larger than a scene file can be (16 MiB)"};
+  return parse_scene(text, path);
+}
+
+}  // namespace gvx::scene

@@ -1,0 +1,185 @@
+// Every way to look: modes, channels, labels, colours, lights and gradients, compared with the brute-force
+// reference; and each bit for bit the same whatever the cache.
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "test_scenes.h"
+
+namespace gvx::tests {
+namespace {
+
+constexpr double kReferenceSamples = 16;
+
+void expect_right(TestScene scene, const char* what, double needed_decibels) {
+  scene.view.level_of_detail = false;
+  const ReferencePicture reference = render_reference(scene.volume, scene.view, kReferenceSamples);
+  for (const exec::Device& device : exec::Device::all()) {
+    const double decibels = psnr(render_exact(scene, device), reference.picture);
+    EXPECT_GE(decibels, needed_decibels) << what << " on " << device.name();
+    std::printf("%-56s %5.1f dB on %s\n", what, decibels, device.name().c_str());
+  }
+  for (const bool level_of_detail : {false, true}) {
+    scene.view.level_of_detail = level_of_detail;
+    const render::Picture roomy = render_exact(scene);
+    EXPECT_EQ(roomy.rgba, render_exact(scene, exec::Device::cpu(1), {0, engine::PoolSizes{150, 12}}).rgba)
+        << what;
+  }
+}
+
+TEST(Modes, projections_and_isosurfaces_equal_the_reference) {
+  const TestScene scene = analytic_scene("modes", waves, {60, 52, 44}, {1, 1, 1.3}, 2, 8);
+  const auto variant = [&](const char* what, scene::Mode mode, double decibels) {
+    TestScene changed = scene;
+    changed.view.mode = mode;
+    changed.view.isovalue = 0.62;
+    changed.view.functions[0].opacities = {{0, 0.1}, {1, 0.9}};
+    expect_right(changed, what, decibels);
+  };
+  variant("maximum", scene::Mode::maximum, 45);
+  variant("minimum", scene::Mode::minimum, 45);
+  variant("mean", scene::Mode::mean, 48);
+  variant("isosurface", scene::Mode::isosurface, 35);  // a ray that just misses is all or nothing
+}
+
+TEST(Modes, an_isosurface_is_where_the_value_is) {
+  // Of a distance the isosurface is a ball: its silhouette and its depth are known.
+  TestScene scene = analytic_scene(
+      "distance", [](Vec3d p) { return length(p - Vec3d(0.5)); }, {64, 64, 64}, {1, 1, 1}, 2, 16);
+  scene.view.mode = scene::Mode::isosurface;
+  scene.view.isovalue = 0.3;
+  scene.view.lighting.enabled = false;
+  scene.view.background = {};
+  scene.view.functions[0].colors = {{0, {1, 1, 1}}};
+  scene.view.camera = {{32, 32, -200}, {32, 32, 32}, {0, 1, 0}, 30, 48};
+  const render::Picture picture = render_exact(scene);
+  double covered = 0;
+  for (std::size_t i = 0; i < picture.rgba.size(); i += 4) covered += double(picture.rgba[i]);
+  const double pixel = 48.0 / scene.view.height, radius = 0.3 * 64;
+  EXPECT_NEAR(covered * pixel * pixel, M_PI * radius * radius, 0.005 * M_PI * radius * radius);
+}
+
+TEST(Modes, channels_each_have_their_function) {
+  const VoxelFormat two{VoxelType::u8, VoxelContent::scalar, 2},
+      four{VoxelType::u16, VoxelContent::scalar, 4};
+  const auto scaled = [](auto field, double most) {
+    return [field, most](Vec3d p) { return std::round(most * field(p)); };
+  };
+  const auto shifted_ball = [](Vec3d p) { return ball(p + Vec3d(0.15, -0.1, 0)); };
+  const auto function = [](double most, Vec3d hue) {
+    return scene::TransferFunction{{{0, 0.3 * hue}, {most, hue}}, {{0.35 * most, 0}, {0.9 * most, 0.3}}, 0};
+  };
+  TestScene scene = planar_scene("two", two, {scaled(ball, 255), scaled(waves, 255)}, {50, 44, 40}, 2, 8);
+  scene.view.functions = {function(255, {1, 0.4, 0.2}), function(255, {0.2, 0.6, 1})};
+  expect_right(scene, "two channels of u8", 45);
+  scene.view.mode = scene::Mode::maximum;
+  expect_right(scene, "their maxima", 45);
+
+  scene = planar_scene("four", four,
+                       {scaled(ball, 60000), scaled(waves, 60000), scaled(shifted_ball, 60000),
+                        scaled([](Vec3d p) { return p.x; }, 60000)},
+                       {50, 44, 40}, 3, 16);
+  scene.view.functions = {function(60000, {1, 0, 0}), function(60000, {0, 1, 0}), function(60000, {0, 0, 1}),
+                          function(60000, {1, 1, 0})};
+  expect_right(scene, "four channels of u16", 45);
+}
+
+TEST(Modes, labels_are_never_blended) {
+  const Field regions = [](Vec3d p) {
+    const double r = length(p - Vec3d(0.5));
+    return r > 0.45 ? 0.0 : std::floor(p.x * 4) + 4 * std::floor(p.y * 2) + 1;
+  };
+  for (const VoxelType type : {VoxelType::u8, VoxelType::u16}) {
+    TestScene scene = planar_scene("labels", {type, VoxelContent::labels, 1}, {regions}, {48, 48, 48}, 2, 8);
+    scene.view.functions = {scene::label_colors(9)};
+    scene.view.functions[0].opacities = {{0, 0}, {0.5, 0}, {0.5, 0.15}};
+    scene.view.lighting.enabled = false;
+    expect_right(scene, "translucent labels", 33);
+    // With opaque labels every colour of the picture is one of the table or the background.
+    scene.view.functions[0].opacities = {{0, 0}, {0.5, 0}, {0.5, 1}};
+    const render::Picture picture = render_exact(scene);
+    for (std::size_t i = 0; i < picture.rgba.size(); i += 4) {
+      double nearest = 1;
+      for (int label = 0; label < 9; ++label) {
+        const Vec3d c = label == 0 ? Vec3d(scene.view.background) : scene.view.functions[0].color(label);
+        const Vec3d d = c - Vec3d(Vec3f(picture.rgba[i], picture.rgba[i + 1], picture.rgba[i + 2]));
+        nearest = std::min(nearest, length(d));
+      }
+      ASSERT_LT(nearest, 0.003) << i / 4;
+    }
+    scene.view.lighting.enabled = true;
+    scene.view.functions[0].opacities = {{0, 0}, {0.5, 0}, {0.5, 0.15}};
+    expect_right(scene, "translucent labels, lit", 33);
+  }
+}
+
+TEST(Modes, colours_and_normals) {
+  const auto opacity = [](Vec3d p) { return std::clamp(1.2 - 3 * length(p - Vec3d(0.5)), 0.0, 0.6); };
+  const auto plane = [&](auto value) {
+    return [=](Vec3d p) { return std::round(255 * opacity(p) * value(p)); };
+  };
+  const std::vector<Field> colors = {plane([](Vec3d p) { return p.x; }), plane([](Vec3d p) { return p.y; }),
+                                     plane([](Vec3d) { return 0.5; }), plane([](Vec3d) { return 1.0; })};
+  TestScene scene =
+      planar_scene("colors", {VoxelType::u8, VoxelContent::color, 4}, colors, {44, 44, 44}, 2, 8);
+  scene.view.functions.clear();
+  scene.view.lighting.enabled = false;
+  expect_right(scene, "colour voxels", 45);
+
+  std::vector<Field> with_normals = colors;
+  for (int axis = 0; axis < 3; ++axis) {
+    with_normals.emplace_back([=](Vec3d p) {
+      const Vec3d d = p - Vec3d(0.5);
+      return std::round(127 + 127 * opacity(p) * d[axis] / std::max(length(d), 1e-9));
+    });
+  }
+  scene = planar_scene("normals", {VoxelType::u8, VoxelContent::color_normal, 7}, with_normals, {44, 44, 44},
+                       2, 8);
+  scene.view.functions.clear();
+  expect_right(scene, "colour voxels with normals", 42);
+}
+
+TEST(Modes, lights_and_gradient_opacity) {
+  const TestScene scene = analytic_scene("lights", ball, {60, 50, 40}, {1, 1.2, 1}, 2, 16);
+  const auto variant = [&](const char* what, auto change) {
+    TestScene changed = scene;
+    change(changed.view);
+    expect_right(changed, what, 45);
+  };
+  variant("a light in the world", [](auto& v) {
+    v.lighting.light[0] = {scene::LightKind::directional, {1, 2, -3}, {1, 0.9f, 0.8f}};
+  });
+  variant("three lights, one of them near", [](auto& v) {
+    v.lighting.lights = 3;
+    v.lighting.light[0].color = Vec3f(0.4f);
+    v.lighting.light[1] = {scene::LightKind::directional, {1, 2, -3}, {0.5f, 0.2f, 0}};
+    v.lighting.light[2] = {scene::LightKind::point, {10, -30, 20}, {0, 0.3f, 0.6f}};
+  });
+  variant("no light but ambient", [](auto& v) { v.lighting.lights = 0; });
+  variant("opacity by gradient", [](auto& v) {
+    v.functions[0].gradients = {{0.01, 0}, {0.03, 1}, {0.1, 0.5}};
+  });
+}
+
+TEST(Modes, what_cannot_be_looked_at_so_is_an_error) {
+  const auto look = [](const TestScene& scene) {
+    return engine::Engine::create(exec::Device::cpu(), scene.open(), {}).value()->look(scene.view);
+  };
+  TestScene labels = planar_scene("bad", {VoxelType::u8, VoxelContent::labels, 1},
+                                  {[](Vec3d p) { return std::floor(3 * p.x); }}, {20, 20, 20}, 2, 8);
+  EXPECT_TRUE(look(labels).ok());
+  labels.view.mode = scene::Mode::maximum;
+  EXPECT_FALSE(look(labels).ok());
+  TestScene two =
+      planar_scene("bad2", {VoxelType::u8, VoxelContent::scalar, 2},
+                   {[](Vec3d p) { return 9 * p.x; }, [](Vec3d p) { return 9 * p.y; }}, {20, 20, 20}, 2, 8);
+  two.view.mode = scene::Mode::isosurface;
+  EXPECT_FALSE(look(two).ok());
+  two.view.mode = scene::Mode::composite;
+  two.view.functions.clear();
+  EXPECT_FALSE(look(two).ok());
+}
+
+}  // namespace
+}  // namespace gvx::tests
