@@ -154,19 +154,160 @@ TEST_F(Program, the_picture_does_not_depend_on_memory_or_threads) {
 TEST_F(Program, budget_frames_end_at_the_exact_picture) {
   write_ball();
   ASSERT_EQ(gvx("render ball_40x36x30_uint8.raw -o a.png --size 64x64 --exact").status, 0);
-  ASSERT_EQ(
-      gvx("render ball_40x36x30_uint8.raw -o b.png --size 64x64 --budget 20ms --frames 300 --stats b.json")
-          .status,
-      0);
+  ASSERT_EQ(gvx("render ball_40x36x30_uint8.raw -o b.png --size 64x64 --budget 20ms --budget-frames 300 "
+                "--stats b.json")
+                .status,
+            0);
   EXPECT_EQ(read_json("b.json")["converged"], true);
   EXPECT_EQ(shell("cmp '" + path("a.png") + "' '" + path("b.png") + "'").status, 0);
+}
+
+/// The JSON examples of docs/scene-file.md, in their order.
+std::vector<std::string> documented_scenes() {
+  std::ifstream file(std::filesystem::path(__FILE__).parent_path() / "../docs/scene-file.md");
+  std::vector<std::string> scenes;
+  bool inside = false;
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("```")) {
+      inside = line == "```json";
+      if (inside) scenes.emplace_back();
+    } else if (inside) {
+      scenes.back() += line + "\n";
+    }
+  }
+  return scenes;
+}
+
+TEST_F(Program, renders_the_scene_files_of_the_documentation) {
+  write_ball();
+  fs::create_directories(path("scenes"));
+  ASSERT_EQ(gvx("build ball_40x36x30_uint8.raw -o scenes/head.gvx").status, 0);
+  const auto scenes = documented_scenes();
+  ASSERT_EQ(scenes.size(), 2u);
+  std::ofstream(path("scenes/still.json")) << scenes[0];
+  std::ofstream(path("scenes/tour.json")) << scenes[1];
+  Outcome outcome = gvx("render scenes/still.json -o still.png");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const auto image = io::read_png(path("still.png")).value();
+  EXPECT_EQ(image.width, 640u);
+  EXPECT_GT(image.rgba[4 * (640 * 240 + 320)], 100);  // the ball is in the middle
+  EXPECT_NEAR(image.rgba[2], 0.08 * 255, 1);
+  outcome = gvx("render scenes/tour.json -o tour.png --frames 1-4");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 4) << outcome.output;
+  for (const char* name : {"tour.0001.png", "tour.0002.png", "tour.0003.png", "tour.0004.png"}) {
+    EXPECT_EQ(io::read_png(path(name)).value().width, 64u) << name;
+  }
+  EXPECT_NE(shell("cmp '" + path("tour.0001.png") + "' '" + path("tour.0002.png") + "'").status, 0);
+}
+
+TEST_F(Program, a_saved_scene_gives_the_same_picture_and_flags_override_it) {
+  write_ball();
+  fs::create_directories(path("elsewhere/deep"));
+  ASSERT_EQ(gvx("build ball_40x36x30_uint8.raw -o ball.gvx").status, 0);
+  std::ofstream(path("map.json"))
+      << R"([{"RGBPoints": [0, 0, 0, 1, 250, 1, 0, 0], "Points": [0, 0, 0.5, 0, 250, 1, 0.5, 0]}])";
+  const std::string saved = "elsewhere/deep/scene.json";
+  const std::string flags[] = {
+      "",
+      "--antialias 2 --tf map.json --gradient-opacity 0,0,20,1 --light directional:0,-1,1:1,0.5,0.2 "
+      "--light camera:0,0,1 --ambient 0.1 --diffuse 0.8 --specular 0.4 --shininess 10",
+      "--mode maximum --camera 'fov=20' --background 0.1,0.2,0.3 --finest --samples 3",
+      "--mode isosurface --isovalue 120 --transparent --clip 0,0,0,0.5,1,1",
+      "--flat --tf solid --camera 'height=60'",
+      "--key-frame '0:eye=0,-90,20' --key-frame '10:eye=90,0,20'"};
+  for (const std::string& flag : flags) {
+    Outcome outcome = gvx("render ball.gvx -o a.png --size 64x48 " + flag + " --save-scene " + saved);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    outcome = gvx("render " + saved + " -o b.png --save-scene elsewhere/again.json");
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_EQ(shell("cmp '" + path("a.png") + "' '" + path("b.png") + "'").status, 0) << flag;
+    auto before = read_json(saved), after = read_json("elsewhere/again.json");
+    EXPECT_EQ(before["volume"], "../../ball.gvx");
+    EXPECT_EQ(after["volume"], "../ball.gvx");
+    for (auto* scene : {&before, &after}) {
+      scene->erase("volume");
+      scene->erase("functions");
+    }
+    EXPECT_EQ(before, after) << flag;
+  }
+  ASSERT_EQ(gvx("render " + saved + " -o c.png --size 32x16 --mode mean --shaded").status, 0);
+  EXPECT_EQ(io::read_png(path("c.png")).value().width, 32u);
+  ASSERT_EQ(
+      gvx("render ball_40x36x30_uint8.raw -o raw.png --size 32x32 --spacing 1,1,2 --save-scene raw.json")
+          .status,
+      0);
+  EXPECT_EQ(read_json("raw.json")["raw"]["spacing"], (std::vector<double>{1, 1, 2}));
+  ASSERT_EQ(gvx("render raw.json -o raw2.png").status, 0);
+  EXPECT_EQ(shell("cmp '" + path("raw.png") + "' '" + path("raw2.png") + "'").status, 0);
+}
+
+TEST_F(Program, frames_go_around_the_target_and_finished_ones_stay) {
+  write_ball();
+  ASSERT_EQ(gvx("build ball_40x36x30_uint8.raw -o ball.gvx").status, 0);
+  const std::string size = "render ball.gvx --size 48x48 --tf solid ";
+  ASSERT_EQ(gvx(size + "-o still.png").status, 0);
+  Outcome outcome = gvx(size + "-o 'turn_%02d.png' --frames 3 --quiet --stats s.json");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_EQ(outcome.output, "");
+  EXPECT_EQ(read_json("s.json")["converged"], true);
+  EXPECT_EQ(shell("cmp '" + path("still.png") + "' '" + path("turn_01.png") + "'").status, 0);
+  EXPECT_TRUE(fs::exists(path("turn_03.png")));
+  EXPECT_FALSE(fs::exists(path("turn_04.png")));
+  // A folder where the second picture is to be.
+  fs::create_directories(path("stop.0002.png/in_the_way"));
+  outcome = gvx(size + "-o stop.png --frames 3 --quiet");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_EQ(outcome.output.rfind("gvx: frame 2: ", 0), 0u) << outcome.output;
+  EXPECT_TRUE(fs::exists(path("stop.0001.png")));
+  EXPECT_FALSE(fs::exists(path("stop.0003.png")));
+}
+
+TEST_F(Program, bad_scenes_are_one_line_that_names_the_field) {
+  write_ball();
+  ASSERT_EQ(gvx("build ball_40x36x30_uint8.raw -o ball.gvx").status, 0);
+  const auto expect_scene_error = [&](const std::string& text, const std::string& part) {
+    std::ofstream(path("s.json")) << text;
+    expect_error("render s.json -o a.png", part);
+  };
+  expect_scene_error("{", "s.json: not JSON at line 1, column 2");
+  expect_scene_error("{}", "s.json: volume: expected");
+  expect_scene_error(R"({"volume": "ball.gvx", "colour": 1})", "s.json: expected fields among");
+  expect_scene_error(R"({"volume": "none.gvx"})", "none.gvx: cannot open");
+  expect_scene_error(R"({"volume": "ball.gvx", "mode": "isosurface"})",
+                     "isovalue: mode isosurface needs one");
+  expect_scene_error(R"({"volume": "ball.gvx", "functions": ["gray", "gray"]})",
+                     "2 for a volume that takes 1");
+  expect_scene_error(R"({"volume": "ball.gvx", "function": "rainbow"})", "rainbow");
+  expect_scene_error(R"({"volume": "ball.gvx", "camera": {"up": [0, 0, 0]}})", "up");
+  expect_scene_error(R"({"volume": "ball.gvx", "cameraPath": [{"frame": 2}, {"frame": 1}]})", "key frame 2");
+  expect_scene_error(
+      R"({"volume": "ball.gvx", "cameraPath": [{"frame": 1, "fov": 9}, {"frame": 2, "height": 9}]})",
+      "key frame 2");
+  expect_error("render s.json --volume ball.gvx -o a.png --antialias 9", "command line: antialias");
+  expect_error("render missing.json -o a.png", "missing.json: cannot open");
+  expect_error("render ball.gvx -o a.png --volume ball.gvx", "--volume");
+  expect_error("render ball.gvx -o a.png --isovalue 5", "--isovalue");
+  expect_error("render ball.gvx -o a.png --mode isosurface", "from 0");
+  expect_error("render ball.gvx -o a.png --light sun:1,2,3", "sun");
+  expect_error("render ball.gvx -o a.png --light point:1,2", "1,2");
+  expect_error("render ball.gvx -o a.png --ambient nan", "lighting.ambient");
+  expect_error("render ball.gvx -o a.png --gradient-opacity 1,2,3", "--gradient-opacity");
+  expect_error("render ball.gvx -o a.png --gradient-opacity 0,2", "gradient point 1");
+  expect_error("render ball.gvx -o a.png --key-frame eye=1,2,3", "--key-frame");
+  expect_error("render ball.gvx -o a.png --frames 5-2", "--frames");
+  expect_error("render ball.gvx -o a.png --frames 0", "--frames");
+  expect_error("render ball.gvx -o a.png --save-scene no/such/s.json", "no/such");
+  EXPECT_FALSE(fs::exists(path("a.png")));
 }
 
 TEST_F(Program, bad_command_lines_are_one_line_and_status_2) {
   for (const char* arguments :
        {"", "explode", "render", "render sponge", "build x.raw", "build x.raw -o y.gvx --brick 12",
         "build x.raw -o y.gvx --codec zip", "render sponge -o a.png --device abacus",
-        "render sponge -o a.png --threads -3", "render sponge -o a.png --exact --budget 5ms", "info"}) {
+        "render sponge -o a.png --threads -3", "render sponge -o a.png --exact --budget 5ms",
+        "render sponge -o a.png --frames 3 --budget 5ms", "render sponge -o a.png --budget-frames 3",
+        "render sponge -o a.png --mode xray", "render sponge -o a.png --ambient much", "info"}) {
     const Outcome outcome = gvx(arguments);
     EXPECT_EQ(outcome.status, 2) << arguments << outcome.output;
     EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
@@ -178,7 +319,7 @@ TEST_F(Program, bad_values_are_one_line_that_names_them) {
   ASSERT_EQ(gvx("build ball_40x36x30_uint8.raw -o ball.gvx").status, 0);
   expect_error("render ball.gvx -o a.jpg", "a.jpg");
   expect_error("render ball.gvx -o a.png --size 12", "'12'");
-  expect_error("render ball.gvx -o a.png --size 99999x5", "99999x5");
+  expect_error("render ball.gvx -o a.png --size 99999x5", "99999");
   expect_error("render ball.gvx -o a.png --camera eye=1,2", "camera");
   expect_error("render ball.gvx -o a.png --memory lots", "lots");
   expect_error("render ball.gvx -o a.png --memory 100", "memory");

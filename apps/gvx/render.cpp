@@ -1,28 +1,29 @@
 // gvx render SCENE -o OUT.png: a picture of a scene.
 
-#include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "commands.h"
+#include "frame_files.h"
 #include "gvx/engine/engine.h"
 #include "gvx/io/file_commit.h"
 #include "gvx/io/image.h"
-#include "gvx/io/transfer_function_file.h"
+#include "gvx/scene/camera_path.h"
+#include "gvx/scene/scene_file.h"
 #include "open_scene.h"
+#include "scene_flags.h"
+#include "scene_view.h"
 #include "units.h"
 
 namespace gvx::app {
 namespace {
 
 struct Options {
-  std::string scene, output, size = "1024x1024", camera, function, budget, memory = "512M", device = "cpu",
-                             stats, clip, background = "0,0,0";
-  int threads = 0, frames = 1;
-  double samples = 2;
-  bool exact = false, flat = false, finest = false, transparent = false, quiet = false;
-  RawFlags raw;
+  std::string scene, output, budget, frames, memory = "512M", device = "cpu", stats, save_scene;
+  int threads = 0, budget_frames = 1;
+  bool exact = false, quiet = false;
+  SceneFlags flags;
 };
 
 Result<exec::Device> open_device(const Options& o) {
@@ -30,39 +31,23 @@ Result<exec::Device> open_device(const Options& o) {
   return exec::Device::cpu(o.threads);
 }
 
-Result<scene::TransferFunction> open_function(const Options& o, const Scene& scene) {
-  const std::string name = o.function.empty() ? scene.preset : o.function;
-  const auto names = scene::preset_names();
-  const bool is_preset = std::find(names.begin(), names.end(), name) != names.end();
-  if (!is_preset && std::filesystem::exists(name)) return io::read_transfer_function(name);
-  auto function = scene::preset(name, value_statistics(scene.producer->description(), 0));
-  if (!function.ok()) return Error{"--tf: no file and " + function.error().message};
-  return function;
-}
-
-Result<render::View> make_view(const Options& o, const Scene& scene) {
-  render::View view;
-  GVX_ASSIGN(const Size size, parse_size(o.size));
-  view.width = size.width;
-  view.height = size.height;
-  GVX_ASSIGN(auto function, open_function(o, scene));
-  view.functions = {std::move(function)};
-  const produce::TreeDescription& tree = scene.producer->description();
-  view.camera =
-      scene::frame_box(tree.extent, tree.tree_to_world, tree.anatomical, double(size.width) / size.height);
-  if (!o.camera.empty()) {
-    GVX_ASSIGN(view.camera, scene::parse_camera(o.camera, view.camera));
+/// What the command line says: a scene file or a volume, and flags.
+Result<scene::SceneFile> read_command(const Options& o) {
+  scene::SceneFile scene;
+  if (o.scene.ends_with(".json")) {
+    GVX_ASSIGN(scene, scene::read_scene(o.scene));
+    resolve_names(scene, o.scene);
+  } else if (o.flags.has_volume()) {
+    return Error{"--volume: goes with a scene file (.json); " + o.scene + " is a volume itself"};
+  } else {
+    scene.volume = o.scene;
   }
-  if (!o.clip.empty()) {
-    GVX_ASSIGN(view.clip, parse_box(o.clip));
-  }
-  GVX_ASSIGN(const Vec3d background, parse_vec3(o.background));
-  view.background = Vec3f(background);
-  view.opaque_background = !o.transparent;
-  view.lighting.enabled = !o.flat;
-  view.samples_per_voxel = o.samples;
-  view.level_of_detail = !o.finest;
-  return view;
+  GVX_TRY(o.flags.apply(scene));
+  if (!scene.volume) return Error{o.scene + ": volume: expected a text (or --volume), found nothing"};
+  // Flags obey the limits that a file's fields obey.
+  GVX_ASSIGN(const scene::SceneFile checked, scene::parse_scene(scene::to_json(scene), "command line"));
+  (void)checked;
+  return scene;
 }
 
 Status write_picture(const std::string& path, const render::Picture& picture) {
@@ -98,45 +83,117 @@ engine::Statistics sum(const engine::Statistics& before, engine::Statistics now)
   return now;
 }
 
+void report(const std::string& path, const render::View& view, const engine::Statistics& s,
+            const exec::Device& device) {
+  std::printf(
+      "%s: %ux%u in %.0f ms on %s, %llu bricks made, %llu resident, %s\n", path.c_str(), view.width,
+      view.height, s.frame_milliseconds, device.name().c_str(),
+      static_cast<unsigned long long>(s.bricks_produced), static_cast<unsigned long long>(s.bricks_resident),
+      s.converged
+          ? "exact"
+          : ("a preview: " + std::to_string(int(100 * s.resident_share)) + "% of what it wants is resident")
+                .c_str());
+  std::fflush(stdout);
+}
+
+/// What pictures are made with.
+struct Studio {
+  const Options& options;
+  const exec::Device& device;
+  engine::Engine& engine;
+};
+
+/// A picture of a resting camera, exact or of budget frames.
+Result<engine::Statistics> render_still(const Studio& studio, const render::View& view) {
+  const Options& o = studio.options;
+  engine::Engine& engine = studio.engine;
+  GVX_TRY(engine.look(view));
+  engine::Statistics statistics;
+  if (o.budget.empty()) {
+    GVX_TRY(engine.render_exact());
+    statistics = engine.statistics();
+  } else {
+    GVX_ASSIGN(const auto budget, parse_duration(o.budget));
+    for (int frame = 0; frame < o.budget_frames && !engine.converged(); ++frame) {
+      GVX_TRY(engine.render_for(budget));
+      statistics = sum(statistics, engine.statistics());
+    }
+  }
+  GVX_TRY(write_picture(o.output, engine.picture()));
+  return statistics;
+}
+
+/// A picture of each frame, by what is in the caches from those before it.
+Result<engine::Statistics> render_frames(const Studio& studio, render::View view, FrameRange frames,
+                                         const std::optional<scene::CameraPath>& path) {
+  const Options& o = studio.options;
+  const scene::Camera camera = view.camera;
+  const auto render_frame = [&](const std::string& file) -> Result<engine::Statistics> {
+    GVX_TRY(studio.engine.look(view));
+    GVX_TRY(studio.engine.render_exact());
+    GVX_TRY(write_picture(file, studio.engine.picture()));
+    return studio.engine.statistics();
+  };
+  engine::Statistics statistics;
+  for (int frame = frames.first; frame <= frames.last; ++frame) {
+    view.camera =
+        path ? path->at(frame) : scene::orbit(camera, 360.0 * (frame - frames.first) / frames.count());
+    const std::string file = frame_file(o.output, frame);
+    const auto rendered = render_frame(file);
+    if (!rendered.ok()) return Error{"frame " + std::to_string(frame) + ": " + rendered.error().message};
+    if (!o.quiet) report(file, view, rendered.value(), studio.device);
+    const std::uint64_t samples = statistics.samples + rendered.value().samples;
+    statistics = sum(statistics, rendered.value());
+    statistics.samples = samples;
+  }
+  return statistics;
+}
+
+Status write_text(const std::string& path, const std::string& text) {
+  return io::write_file_atomically(path, std::as_bytes(std::span(text)));
+}
+
+Result<std::optional<scene::CameraPath>> camera_path(const scene::SceneFile& scene) {
+  if (scene.camera_path.empty()) return std::optional<scene::CameraPath>();
+  std::vector<scene::KeyFrame> keys;
+  for (const scene::KeyFrameParts& key : scene.camera_path) {
+    keys.push_back({key.frame, key.camera.over({})});
+  }
+  GVX_ASSIGN(auto path, scene::CameraPath::create(std::move(keys)));
+  return std::optional<scene::CameraPath>(std::move(path));
+}
+
 Status render(const Options& o) {
   if (!o.output.ends_with(".png") && !o.output.ends_with(".exr")) {
     return Error{o.output + ": the picture's name must end in .png or .exr"};
   }
-  if (o.exact && !o.budget.empty()) return Error{"--exact and --budget exclude each other"};
-  GVX_ASSIGN(const exec::Device device, open_device(o));
-  GVX_ASSIGN(const io::RawOptions raw, o.raw.parse());
-  GVX_ASSIGN(const Scene scene, open_scene(exec::Device::cpu(o.threads), o.scene, raw));
+  FrameRange frames;
+  if (!o.frames.empty()) {
+    GVX_ASSIGN(frames, parse_frames(o.frames));
+  }
   engine::EngineOptions engine_options;
   GVX_ASSIGN(engine_options.memory_bytes, parse_bytes(o.memory));
-  GVX_ASSIGN(const render::View view, make_view(o, scene));
-  GVX_ASSIGN(const auto engine, engine::Engine::create(device, scene.producer, engine_options));
-  GVX_TRY(engine->look(view));
-  engine::Statistics statistics;
-  if (o.budget.empty()) {
-    GVX_TRY(engine->render_exact());
-    statistics = engine->statistics();
-  } else {
-    GVX_ASSIGN(const auto budget, parse_duration(o.budget));
-    for (int frame = 0; frame < o.frames && !engine->converged(); ++frame) {
-      GVX_TRY(engine->render_for(budget));
-      statistics = sum(statistics, engine->statistics());
-    }
+  GVX_ASSIGN(scene::SceneFile scene, read_command(o));
+  GVX_ASSIGN(const exec::Device device, open_device(o));
+  GVX_ASSIGN(const Scene opened,
+             open_scene(exec::Device::cpu(o.threads), *scene.volume, raw_options(scene.raw)));
+  GVX_ASSIGN(scene, complete(scene, o.flags, opened));
+  GVX_ASSIGN(const auto path, camera_path(scene));
+  GVX_ASSIGN(render::View view, make_view(scene, opened));
+  if (path) view.camera = path->key_frames().front().camera;
+  if (!o.save_scene.empty()) {
+    relate_names(scene, o.save_scene);
+    GVX_TRY(write_text(o.save_scene, scene::to_json(scene)));
   }
-  GVX_TRY(write_picture(o.output, engine->picture()));
-  if (!o.stats.empty()) {
-    const std::string text = to_json(statistics).dump(2) + "\n";
-    GVX_TRY(io::write_file_atomically(o.stats, std::as_bytes(std::span(text))));
+  GVX_ASSIGN(const auto engine, engine::Engine::create(device, opened.producer, engine_options));
+  const Studio studio{o, device, *engine};
+  GVX_ASSIGN(const engine::Statistics statistics,
+             o.frames.empty() ? render_still(studio, view) : render_frames(studio, view, frames, path));
+  if (!o.stats.empty()) GVX_TRY(write_text(o.stats, to_json(statistics).dump(2) + "\n"));
+  if (o.frames.empty() && !o.quiet) {
+    report(o.output, view, statistics, device);
+    std::printf("--camera '%s'\n", scene::to_text(view.camera).c_str());
   }
-  if (o.quiet) return {};
-  std::printf("%s: %ux%u in %.0f ms on %s, %llu bricks made, %llu resident, %s\n", o.output.c_str(),
-              view.width, view.height, statistics.frame_milliseconds, device.name().c_str(),
-              static_cast<unsigned long long>(statistics.bricks_produced),
-              static_cast<unsigned long long>(statistics.bricks_resident),
-              statistics.converged ? "exact"
-                                   : ("a preview: " + std::to_string(int(100 * statistics.resident_share)) +
-                                      "% of what it wants is resident")
-                                         .c_str());
-  std::printf("--camera '%s'\n", scene::to_text(view.camera).c_str());
   return {};
 }
 
@@ -145,37 +202,35 @@ Status render(const Options& o) {
 Command add_render(CLI::App& program) {
   auto o = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("render", "Render a picture of a scene");
-  command->add_option("scene", o->scene, "A .gvx store, a volume file (see gvx build), or sponge")
+  command
+      ->add_option(
+          "scene", o->scene,
+          "A .gvx store, a volume file (see gvx build), sponge, or a scene file (.json), whose fields the "
+          "flags of a scene override")
       ->required();
   command->add_option("-o,--output", o->output, "The picture to write, .png or .exr")->required();
-  command->add_option("--size", o->size, "Of the picture, WxH")->capture_default_str();
-  command->add_option(
-      "--camera", o->camera,
-      "eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees in world space, or height=world for an orthographic "
-      "one; parts that are left out are as without this flag: all of the scene framed");
-  command->add_option(
-      "--tf", o->function,
-      "Transfer function: a ParaView JSON colour map, or a preset: ct-bone ct-skin ct-tissue gray solid; "
-      "without it a preset that suits the values");
   CLI::Option* exact = command->add_flag("--exact", o->exact, "Until no ray lacks anything (the default)");
-  command->add_option("--budget", o->budget, "Render for this long instead, such as 33ms")->excludes(exact);
-  command->add_option("--frames", o->frames, "With --budget: as many such frames of the resting camera")
-      ->check(CLI::Range(1, 1000000));
+  CLI::Option* budget =
+      command->add_option("--budget", o->budget, "Render for this long instead, such as 33ms")
+          ->excludes(exact);
+  command->add_option("--budget-frames", o->budget_frames, "As many such frames of the resting camera")
+      ->check(CLI::Range(1, 1000000))
+      ->needs(budget);
+  command
+      ->add_option(
+          "--frames", o->frames,
+          "N or A-B: a numbered picture of each frame of the camera path, or of an orbit about the target; "
+          "%04d in the picture's name is where the number stands")
+      ->excludes(budget);
   command->add_option("--memory", o->memory, "Bound of the brick pool")->capture_default_str();
   command->add_option("--threads", o->threads, "Threads; 0 takes all cores")->check(CLI::Range(0, 1024));
   command->add_option("--device", o->device, "Where to render")
       ->check(CLI::IsMember({"cpu", "cuda"}))
       ->capture_default_str();
   command->add_option("--stats", o->stats, "Write statistics to this JSON file");
-  command->add_option("--clip", o->clip,
-                      "Show only this box, X0,Y0,Z0,X1,Y1,Z1 in fractions of the volume's");
-  command->add_option("--background", o->background, "Red,green,blue, 0 to 1")->capture_default_str();
-  command->add_flag("--transparent", o->transparent, "Keep the picture's alpha instead of a background");
-  command->add_flag("--flat", o->flat, "Without shading");
-  command->add_flag("--finest", o->finest, "The finest level everywhere, however small it is in the picture");
-  command->add_option("--samples", o->samples, "Samples a voxel along a ray")->capture_default_str();
+  command->add_option("--save-scene", o->save_scene, "Write the scene, flags and all, to this JSON file");
   command->add_flag("--quiet", o->quiet, "Print nothing but errors");
-  o->raw.add_to(*command);
+  o->flags.add_to(*command);
   return [o] { return render(*o); };
 }
 

@@ -4,8 +4,9 @@
 /// The values of a step are taken to go evenly from its front end to its back end, and around that by the
 /// deviation of what a coarse voxel stands for: an interval of equally likely values, as wide as gives the
 /// same variance. Its mean matter comes from the transfer function's integrals (pre-integration; variances as
-/// in Younesy, Moeller, Carr, "Improving the quality of multi-resolution volume rendering", 2006). A step
-/// that is both thick and goes far through the function is cut, so that its front hides its back.
+/// in Younesy, Moeller, Carr, "Improving the quality of multi-resolution volume rendering", 2006). Where
+/// values change fast a step is sampled more often, and what lies between two samples is cut in the
+/// function's space, so that its front hides its back.
 #pragma once
 
 #include <cmath>
@@ -29,77 +30,143 @@ struct EntryPath {
   }
 };
 
-// A step of more optical depth than this is cut, if it goes through more than this many entries of the
-// function.
-inline constexpr float kThinDepth = 0.25f;
+// A step that is seen and goes through more entries of the function than this is sampled at as many more
+// places.
+inline constexpr float kWidePath = 256.0f;
+inline constexpr int kMostCuts = 4;
+// Between two samples, a span that goes through more entries than this is cut into parts of about this
+// optical depth.
 inline constexpr float kNarrowPath = 8.0f;
+inline constexpr float kThinDepth = 0.25f;
 inline constexpr int kMostParts = 8;
 
-/// kChannels is 1, or the most there can be: then the frame says how many.
+/// At which share of a span its parts are seen in the mean.
+GVX_HD inline float share_of_what_is_seen(const scene::Visibility& visibility, const EntryPath* path,
+                                          std::uint32_t channels, int parts, float units) {
+  const float share = 1 / static_cast<float>(parts);
+  float left = 1, moment = 0;
+  for (int part = 0; part < parts; ++part) {
+    float extinction = 0;
+    for (std::uint32_t c = 0; c < channels; ++c) {
+      extinction += path[c].mean(visibility.functions[c], part, parts).extinction;
+    }
+    const float opacity = opacity_of(extinction * units * share);
+    moment += left * opacity * (static_cast<float>(part) + 0.5f) * share;
+    left *= 1 - opacity;
+  }
+  return left < 1.0f ? moment / (1 - left) : 0.5f;
+}
+
+/// A part of a step, or all of it, between two samples of each channel. kChannels is 1, or the most there can
+/// be: then the frame says how many there are.
+template <std::uint32_t kChannels>
+struct Span {
+  float begin, end;  ///< in steps
+  EntryPath path[kChannels];
+  scene::Matter matter[kChannels];
+  float extinction = 0;
+  float longest = 0;  ///< entries of a function that a channel goes through
+
+  GVX_HD Span(const scene::Visibility& visibility, std::uint32_t channels, float begin_, float end_,
+              const ScalarSample* front, const ScalarSample* back)
+      : begin(begin_), end(end_) {
+    for (std::uint32_t c = 0; c < channels; ++c) {
+      const scene::TransferView& function = visibility.functions[c];
+      const float deviation = 0.5f * (front[c].deviation + back[c].deviation) * function.to_entry_scale;
+      path[c] = {function.entry_of(front[c].value), function.entry_of(back[c].value),
+                 3 * deviation * deviation};
+      matter[c] = path[c].mean(function, 0, 1);
+      extinction += matter[c].extinction;
+      longest = std::fmax(longest, std::fabs(path[c].back - path[c].front));
+    }
+  }
+};
+
+/// Adds a span that is seen, `units` unit distances long.
+template <std::uint32_t kChannels, typename Voxel, int M>
+GVX_HD void composite_span(const RayView& ray, const Stretch<Voxel, M>& s, const Span<kChannels>& span,
+                           std::uint32_t channels, bool by_gradient, float units, RayState& state) {
+  const FrameView& frame = ray.frame;
+  const scene::Visibility& visibility = frame.visibility;
+  const int parts =
+      span.longest > kNarrowPath
+          ? static_cast<int>(std::fmin(2 + span.extinction * units / kThinDepth, float(kMostParts)))
+          : 1;
+  const bool lit = frame.lighting.lighting.enabled;
+  scene::Shade<float> shade[kChannels];
+  float factor[kChannels];
+  for (std::uint32_t c = 0; c < channels; ++c) factor[c] = 1;
+  if (lit || by_gradient) {
+    // Lit where it is seen: a surface may begin near the back end.
+    const float share =
+        parts > 1 ? share_of_what_is_seen(visibility, span.path, channels, parts, units) : 0.5f;
+    const float i = span.begin + share * (span.end - span.begin);
+    const float blend = s.blend_at(frame, i);
+    for (std::uint32_t c = 0; c < channels; ++c) {
+      if (!(span.matter[c].extinction > 0.0f)) continue;
+      const Vec3f gradient = gradient_at(s, c, i, blend);
+      const float steep = length(gradient);
+      shade[c] = ray.shade(gradient, steep / (steep + frame.soft_gradient[c]), s.t_at(i));
+      if (visibility.functions[c].gradient_factor == nullptr) continue;
+      const float voxels = s.fine.voxels_across * (1 - blend) + s.coarse.voxels_across * blend;
+      const Vec3f world = Vec3f(frame.world_to_tree.transposed_vector(Vec3d(gradient)));
+      factor[c] = visibility.functions[c].factor_of_gradient(length(world) * voxels);
+    }
+  }
+  for (int part = 0; part < parts && state.phase == RayPhase::under_way; ++part) {
+    scene::Matter sum;
+    for (std::uint32_t c = 0; c < channels; ++c) {
+      if (!(span.matter[c].extinction > 0.0f)) continue;
+      const scene::Matter here =
+          parts == 1 ? span.matter[c] : span.path[c].mean(visibility.functions[c], part, parts);
+      const float weight = factor[c] * here.extinction;
+      sum.color = sum.color + factor[c] * here.color * shade[c].body + weight * shade[c].glint;
+      sum.extinction += weight;
+    }
+    if (!(sum.extinction > 0.0f)) continue;
+    add(state, sum.color / sum.extinction, opacity_of(sum.extinction * units / static_cast<float>(parts)));
+  }
+}
+
 template <std::uint32_t kChannels, typename Voxel, int M>
 GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, RayState& state) {
   const FrameView& frame = ray.frame;
   const scene::Visibility& visibility = frame.visibility;
   const std::uint32_t channels = kChannels == 1 ? 1 : visibility.channels;
   const float units = frame.units_per_tick * static_cast<float>(frame.stride[s.level]);
-  ScalarSample front[kChannels];
-  const float first_blend = s.blend_at(frame, -0.5f);
-  for (std::uint32_t c = 0; c < channels; ++c) front[c] = sample_at(s, c, -0.5f, first_blend);
-
-  for (std::int64_t step = 0; step < s.steps; ++step) {
-    const float i = static_cast<float>(step);
-    const float blend = s.blend_at(frame, i + 0.5f);
-    EntryPath path[kChannels];
-    scene::Matter matter[kChannels];
-    float extinction = 0, longest = 0;
-    for (std::uint32_t c = 0; c < channels; ++c) {
-      const scene::TransferView& function = visibility.functions[c];
-      const ScalarSample back = sample_at(s, c, i + 0.5f, blend);
-      const float deviation = 0.5f * (front[c].deviation + back.deviation) * function.to_entry_scale;
-      path[c] = {function.entry_of(front[c].value), function.entry_of(back.value), 3 * deviation * deviation};
-      front[c] = back;
-      matter[c] = path[c].mean(function, 0, 1);
-      extinction += matter[c].extinction;
-      longest = std::fmax(longest, std::fabs(path[c].back - path[c].front));
-    }
+  bool by_gradient = false;
+  for (std::uint32_t c = 0; c < channels; ++c) {
+    by_gradient = by_gradient || visibility.functions[c].gradient_factor != nullptr;
+  }
+  const auto sample_all = [&](float i, ScalarSample* samples) {
+    const float blend = s.blend_at(frame, i);
+    for (std::uint32_t c = 0; c < channels; ++c) samples[c] = sample_at(s, c, i, blend);
     ++state.samples;
-    if (!(extinction > 0.0f)) continue;
-
-    scene::Shade<float> shade[kChannels];
-    float factor[kChannels];
-    const float centre_blend = s.blend_at(frame, i);
-    for (std::uint32_t c = 0; c < channels; ++c) {
-      factor[c] = 1;
-      const bool by_gradient = visibility.functions[c].gradient_factor != nullptr;
-      if (!(matter[c].extinction > 0.0f) || !(by_gradient || frame.lighting.lighting.enabled)) continue;
-      const Vec3f gradient = gradient_at(s, c, i, centre_blend);
-      const float steep = length(gradient);
-      shade[c] = ray.shade(gradient, steep / (steep + frame.soft_gradient[c]), s.t_at(i));
-      if (by_gradient) {
-        const float voxels =
-            s.fine.voxels_across * (1 - centre_blend) + s.coarse.voxels_across * centre_blend;
-        const Vec3f world = Vec3f(frame.world_to_tree.transposed_vector(Vec3d(gradient)));
-        factor[c] = visibility.functions[c].factor_of_gradient(length(world) * voxels);
+  };
+  ScalarSample front[kChannels], back[kChannels];
+  sample_all(-0.5f, front);
+  for (std::int64_t step = 0; step < s.steps && state.phase == RayPhase::under_way; ++step) {
+    const float begin = static_cast<float>(step) - 0.5f, end = begin + 1;
+    sample_all(end, back);
+    const Span<kChannels> whole(visibility, channels, begin, end, front, back);
+    // Where the values change fast they do not change evenly.
+    const int cuts = static_cast<int>(std::fmin(1 + whole.longest / kWidePath, float(kMostCuts)));
+    if (whole.extinction > 0.0f && cuts == 1) {
+      composite_span(ray, s, whole, channels, by_gradient, units, state);
+    } else if (whole.extinction > 0.0f) {
+      const float share = 1 / static_cast<float>(cuts);
+      for (int cut = 1; cut <= cuts && state.phase == RayPhase::under_way; ++cut) {
+        ScalarSample next[kChannels];
+        const float to = begin + static_cast<float>(cut) * share;
+        sample_all(to, next);
+        const Span<kChannels> span(visibility, channels, to - share, to, front, next);
+        if (span.extinction > 0.0f) {
+          composite_span(ray, s, span, channels, by_gradient, units * share, state);
+        }
+        for (std::uint32_t c = 0; c < channels; ++c) front[c] = next[c];
       }
     }
-    const float depth = extinction * units;
-    const int parts = depth > kThinDepth && longest > kNarrowPath
-                          ? static_cast<int>(std::fmin(1 + depth / kThinDepth, float(kMostParts)))
-                          : 1;
-    for (int part = 0; part < parts; ++part) {
-      scene::Matter sum;
-      for (std::uint32_t c = 0; c < channels; ++c) {
-        if (!(matter[c].extinction > 0.0f)) continue;
-        const scene::Matter here =
-            parts == 1 ? matter[c] : path[c].mean(visibility.functions[c], part, parts);
-        const float weight = factor[c] * here.extinction;
-        sum.color = sum.color + factor[c] * here.color * shade[c].body + weight * shade[c].glint;
-        sum.extinction += weight;
-      }
-      if (!(sum.extinction > 0.0f)) continue;
-      add(state, sum.color / sum.extinction, opacity_of(sum.extinction * units / static_cast<float>(parts)));
-      if (state.phase == RayPhase::finished) return;
-    }
+    for (std::uint32_t c = 0; c < channels; ++c) front[c] = back[c];
   }
 }
 

@@ -16,7 +16,7 @@ std::string number_text(double v) {
 }
 
 /// In quotation marks, on one line and printable.
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string result = "'";
   for (const char c : text.substr(0, kLongestText)) result += c >= ' ' && c <= '~' ? c : '?';
   return result + (text.size() > kLongestText ? "...'" : "'");
@@ -46,7 +46,7 @@ std::string NumberRange::text() const {
 }
 
 std::string describe(const nlohmann::json& value) {
-  if (value.is_string()) return quoted(value.get_ref<const std::string&>());
+  if (value.is_string()) return in_quotes(value.get_ref<const std::string&>());
   if (value.is_array()) return "a list of " + std::to_string(value.size());
   if (value.is_object()) return "an object";
   return value.dump();
@@ -162,7 +162,7 @@ Status JsonFields::finish() const {
     for (const auto& field : object_.items()) {
       if (std::find(known_.begin(), known_.end(), field.key()) == known_.end()) {
         return field_error(place_, "fields among " + list_text(known_),
-                           "the unknown field " + quoted(field.key()));
+                           "the unknown field " + in_quotes(field.key()));
       }
     }
   }

@@ -57,10 +57,10 @@ struct KeyFrameParts {
 /// A transfer function by name, with points of its own, or both.
 struct FunctionParts {
   std::string from;  ///< a preset or a ParaView JSON file; empty: none
-  std::vector<ColorPoint> colors;
-  std::vector<OpacityPoint> opacities;
-  std::optional<double> unit_distance;
-  std::vector<GradientPoint> gradients;
+  std::vector<ColorPoint> colors = {};
+  std::vector<OpacityPoint> opacities = {};
+  std::optional<double> unit_distance = {};
+  std::vector<GradientPoint> gradients = {};
 
   /// `base`, which `from` names, with the parts that are there; an error where that is no sound function.
   Result<TransferFunction> over(TransferFunction base) const;
@@ -72,6 +72,9 @@ struct LightingParts {
   std::optional<double> ambient, diffuse, specular, shininess;
   std::optional<std::vector<Light>> lights;
 
+  LightingParts() = default;
+  /// All parts of it.
+  explicit LightingParts(const Lighting& lighting);
   Lighting over(const Lighting& base) const;
   bool operator==(const LightingParts&) const = default;
 };

@@ -1,6 +1,7 @@
 // SceneFile: parts laid over what the program would choose, and the text of it all.
 
 #include <algorithm>
+#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "gvx/scene/scene_file.h"
@@ -9,6 +10,14 @@ namespace gvx::scene {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// The double of fewest digits that is this float: 0.2 for 0.2f.
+double widened(float v) {
+  char text[32];
+  double wide = 0;
+  std::from_chars(text, std::to_chars(text, text + sizeof(text), v).ptr, wide);
+  return wide;
+}
 
 Json list_of(Vec3d v) {
   return {v.x, v.y, v.z};
@@ -68,9 +77,10 @@ Json to_object(const LightingParts& lighting) {
   if (!lighting.lights) return object;
   object["lights"] = Json::array();
   for (const Light& light : *lighting.lights) {
-    object["lights"].push_back({{"kind", kLightKindNames[static_cast<std::size_t>(light.kind)]},
-                                {"place", list_of(light.place)},
-                                {"color", {light.color.x, light.color.y, light.color.z}}});
+    object["lights"].push_back(
+        {{"kind", kLightKindNames[static_cast<std::size_t>(light.kind)]},
+         {"place", list_of(light.place)},
+         {"color", {widened(light.color.x), widened(light.color.y), widened(light.color.z)}}});
   }
   return object;
 }
@@ -123,6 +133,14 @@ Result<TransferFunction> FunctionParts::over(TransferFunction base) const {
   GVX_TRY(check(base));
   return base;
 }
+
+LightingParts::LightingParts(const Lighting& lighting)
+    : enabled(lighting.enabled),
+      ambient(widened(lighting.ambient)),
+      diffuse(widened(lighting.diffuse)),
+      specular(widened(lighting.specular)),
+      shininess(widened(lighting.shininess)),
+      lights(std::in_place, lighting.light, lighting.light + lighting.lights) {}
 
 Lighting LightingParts::over(const Lighting& base) const {
   Lighting lighting = base;

@@ -1,9 +1,11 @@
 #include "gvx/scene/scene_file.h"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -235,20 +237,21 @@ class SceneSchema : public testing::Test {
       check(list ? Json(std::vector<double>(part["minItems"].get<std::size_t>(), value)) : Json(value),
             accepted);
     };
-    if (number.contains("minimum")) {
-      check_number(number["minimum"], true);
-      check_number(number["minimum"].get<double>() - 1, false);
+    const bool whole = number.value("type", "") == "integer";
+    const auto beside = [&](double limit, double direction) {
+      const double next = std::nextafter(limit, direction * INFINITY);
+      return whole && next != std::floor(next) ? limit + direction : next;
+    };
+    const std::tuple<const char*, double, bool> limits[] = {{"minimum", -1, true},
+                                                            {"maximum", 1, true},
+                                                            {"exclusiveMinimum", 1, false},
+                                                            {"exclusiveMaximum", -1, false}};
+    for (const auto& [limit, direction, accepted] : limits) {
+      if (!number.contains(limit)) continue;
+      check_number(number[limit], accepted);
+      check_number(beside(number[limit], direction), !accepted);
     }
-    if (number.contains("maximum")) {
-      check_number(number["maximum"], true);
-      check_number(number["maximum"].get<double>() * 2, false);
-    }
-    if (number.contains("exclusiveMinimum")) {
-      check_number(number["exclusiveMinimum"], false);
-      check_number(number["exclusiveMinimum"].get<double>() + 1e-9, true);
-    }
-    if (number.contains("exclusiveMaximum")) check_number(number["exclusiveMaximum"], false);
-    if (number.value("type", "") == "integer") check_number(1.5, false);
+    if (whole) check_number(1.5, false);
     if (part.value("type", "") == "boolean") check(true, true);
   }
 

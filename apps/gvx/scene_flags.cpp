@@ -1,0 +1,182 @@
+#include "scene_flags.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "gvx/io/header_text.h"
+#include "gvx/io/sample_type.h"
+#include "units.h"
+
+namespace gvx::app {
+namespace {
+
+std::vector<std::string> split(const std::string& text, char separator, std::size_t most_parts) {
+  std::vector<std::string> parts;
+  std::size_t start = 0;
+  while (true) {
+    const std::size_t end = parts.size() + 1 < most_parts ? text.find(separator, start) : std::string::npos;
+    parts.push_back(text.substr(start, end == std::string::npos ? end : end - start));
+    if (end == std::string::npos) return parts;
+    start = end + 1;
+  }
+}
+
+std::optional<std::size_t> index_of(std::span<const char* const> names, const std::string& name) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? std::nullopt : std::optional<std::size_t>(found - names.begin());
+}
+
+std::string joined(std::span<const char* const> names) {
+  std::string text;
+  for (const char* name : names) text += std::string(text.empty() ? "" : " ") + name;
+  return text;
+}
+
+/// "kind:x,y,z" or "kind:x,y,z:r,g,b".
+Result<scene::Light> parse_light(const std::string& text) {
+  const std::vector<std::string> parts = split(text, ':', 4);
+  const auto kind = index_of(scene::kLightKindNames, parts[0]);
+  if (!kind || parts.size() < 2 || parts.size() > 3) {
+    return Error{"--light: '" + text + "' is not camera, directional or point:x,y,z[:red,green,blue]"};
+  }
+  scene::Light light;
+  light.kind = static_cast<scene::LightKind>(*kind);
+  GVX_ASSIGN(light.place, parse_vec3(parts[1]));
+  if (parts.size() == 3) {
+    GVX_ASSIGN(const Vec3d color, parse_vec3(parts[2]));
+    light.color = Vec3f(color);
+  }
+  return light;
+}
+
+}  // namespace
+
+void SceneFlags::add_to(CLI::App& command) {
+  const auto one_at_a_time = [](CLI::Option* option) { option->allow_extra_args(false); };
+  command.add_option("--volume", volume_, "Instead of the one that a scene file names");
+  command.add_option("--size", size_, "Of the picture, WxH (1024x1024)");
+  command.add_option("--antialias", antialias_, "Rays along an axis of a pixel, 1 to 8 (1)");
+  command.add_option(
+      "--camera", camera_,
+      "eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees in world space, or height=world for an orthographic "
+      "one; parts that are left out are as without this flag: all of the scene framed");
+  one_at_a_time(command.add_option("--key-frame", key_frames_,
+                                   "NUMBER:CAMERA, the latter as for --camera; several make a camera path"));
+  command.add_option("--mode", mode_, "composite, maximum, minimum, mean or isosurface (composite)")
+      ->check(CLI::IsMember(
+          std::vector<std::string>(std::begin(scene::kModeNames), std::end(scene::kModeNames))));
+  command.add_option("--isovalue", isovalue_, "Physical, of an isosurface");
+  one_at_a_time(
+      command.add_option("--tf", functions_,
+                         "Transfer function, one a channel: a ParaView JSON colour map, or a preset: " +
+                             joined(scene::preset_names()) + "; without it a preset that suits the values"));
+  command.add_option(
+      "--gradient-opacity", gradients_,
+      "g0,f0,g1,f1,...: the extinction's factor f where the gradient, in values per world unit, is g");
+  one_at_a_time(
+      command.add_option("--light", lights_,
+                         "KIND:x,y,z[:red,green,blue], up to 8: camera (a direction: right, up, towards "
+                         "the viewer), directional (a direction of the world) or point (a place)"));
+  command.add_option("--ambient", ambient_, "Weight of light from all sides (0.25)");
+  command.add_option("--diffuse", diffuse_, "Weight of light on what faces it (0.75)");
+  command.add_option("--specular", specular_, "Weight of highlights (0.2)");
+  command.add_option("--shininess", shininess_, "Exponent of highlights (32)");
+  shaded_option_ = command.add_flag("--shaded,!--flat", shaded_, "With or without shading");
+  command.add_option("--clip", clip_, "Show only this box, X0,Y0,Z0,X1,Y1,Z1 in fractions of the volume's");
+  command.add_option("--background", background_, "Red,green,blue, 0 to 1 (0,0,0)");
+  transparent_option_ = command.add_flag("--transparent,!--opaque", transparent_,
+                                         "Keep the picture's alpha instead of a background");
+  finest_option_ = command.add_flag("--finest,!--level-of-detail", finest_,
+                                    "The finest level everywhere, however small it is in the picture");
+  command.add_option("--samples", samples_, "Samples a voxel along a ray (2)");
+  raw_.add_to(command);
+}
+
+Status SceneFlags::apply(scene::SceneFile& scene) const {
+  if (!volume_.empty()) scene.volume = volume_;
+  GVX_TRY(apply_raw(scene.raw));
+  if (!size_.empty()) {
+    GVX_ASSIGN(const Size size, parse_size(size_));
+    scene.width = size.width;
+    scene.height = size.height;
+  }
+  if (antialias_) scene.antialias = antialias_;
+  if (!camera_.empty() || !key_frames_.empty()) scene.camera_path.clear();
+  if (const auto mode = index_of(scene::kModeNames, mode_)) scene.mode = static_cast<scene::Mode>(*mode);
+  if (isovalue_) scene.isovalue = isovalue_;
+  if (!functions_.empty()) scene.functions.clear();
+  for (const std::string& name : functions_) scene.functions.push_back({.from = name});
+  GVX_TRY(apply_lighting(scene.lighting));
+  if (!clip_.empty()) {
+    GVX_ASSIGN(scene.clip, parse_box(clip_));
+  }
+  if (!background_.empty()) {
+    GVX_ASSIGN(scene.background, parse_vec3(background_));
+  }
+  if (transparent_option_->count() > 0) scene.transparent = transparent_;
+  if (samples_) scene.samples = samples_;
+  if (finest_option_->count() > 0) scene.finest = finest_;
+  return {};
+}
+
+Status SceneFlags::apply_lighting(scene::LightingParts& lighting) const {
+  if (shaded_option_->count() > 0) lighting.enabled = shaded_;
+  if (ambient_) lighting.ambient = ambient_;
+  if (diffuse_) lighting.diffuse = diffuse_;
+  if (specular_) lighting.specular = specular_;
+  if (shininess_) lighting.shininess = shininess_;
+  if (lights_.empty()) return {};
+  lighting.lights.emplace();
+  for (const std::string& text : lights_) {
+    GVX_ASSIGN(lighting.lights->emplace_back(), parse_light(text));
+  }
+  return {};
+}
+
+Status SceneFlags::apply_raw(scene::RawParts& raw) const {
+  GVX_ASSIGN(const io::RawOptions given, raw_.parse());
+  if (given.dimensions) raw.dimensions = given.dimensions;
+  if (given.type) raw.type = io::sample_name(*given.type);
+  if (given.big_endian) raw.big_endian = given.big_endian;
+  if (given.offset != io::RawOptions{}.offset) raw.offset = given.offset;
+  if (given.spacing) raw.spacing = given.spacing;
+  if (given.components != io::RawOptions{}.components) raw.components = given.components;
+  return {};
+}
+
+Result<scene::Camera> SceneFlags::camera(const scene::Camera& base) const {
+  if (camera_.empty()) return base;
+  return scene::parse_camera(camera_, base);
+}
+
+Result<std::vector<scene::KeyFrameParts>> SceneFlags::key_frames(const scene::Camera& base) const {
+  std::vector<scene::KeyFrameParts> keys;
+  for (const std::string& text : key_frames_) {
+    const std::vector<std::string> parts = split(text, ':', 2);
+    const auto frame = io::parse_number(parts[0]);
+    if (parts.size() != 2 || !frame || !std::isfinite(*frame)) {
+      return Error{"--key-frame: '" + text + "' is not NUMBER:CAMERA"};
+    }
+    GVX_ASSIGN(const scene::Camera camera, scene::parse_camera(parts[1], base));
+    keys.push_back({*frame, scene::CameraParts(camera)});
+  }
+  return keys;
+}
+
+Result<std::vector<scene::GradientPoint>> SceneFlags::gradients() const {
+  std::vector<scene::GradientPoint> points;
+  if (gradients_.empty()) return points;
+  const Error bad{"--gradient-opacity: '" + gradients_ + "' is not pairs of numbers, as G0,F0,G1,F1"};
+  std::vector<double> numbers;
+  for (const std::string& part : split(gradients_, ',', gradients_.size() + 1)) {
+    const auto number = io::parse_number(part);
+    if (!number || !std::isfinite(*number)) return bad;
+    numbers.push_back(*number);
+  }
+  if (numbers.size() % 2 != 0) return bad;
+  for (std::size_t i = 0; i < numbers.size(); i += 2) points.push_back({numbers[i], numbers[i + 1]});
+  return points;
+}
+
+}  // namespace gvx::app

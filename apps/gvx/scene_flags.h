@@ -1,0 +1,48 @@
+/// \file
+/// SceneFlags: the flags of a scene, one a field of a scene file.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gvx/core/result.h"
+#include "gvx/scene/camera.h"
+#include "gvx/scene/scene_file.h"
+#include "open_scene.h"
+
+namespace gvx::app {
+
+class SceneFlags {
+ public:
+  void add_to(CLI::App& command);
+
+  /// Lays the flags that were given over a scene: all but those below.
+  Status apply(scene::SceneFile& scene) const;
+
+  // What depends on the volume, which must be open first.
+
+  /// --camera, over the one that all else leads to.
+  Result<scene::Camera> camera(const scene::Camera& base) const;
+  /// --key-frame, each over `base`; none where none is given.
+  Result<std::vector<scene::KeyFrameParts>> key_frames(const scene::Camera& base) const;
+  /// --gradient-opacity; empty where it is not given.
+  Result<std::vector<scene::GradientPoint>> gradients() const;
+  bool has_volume() const { return !volume_.empty(); }
+  bool has_isovalue() const { return isovalue_.has_value(); }
+
+ private:
+  Status apply_lighting(scene::LightingParts& lighting) const;
+  Status apply_raw(scene::RawParts& raw) const;
+
+  std::string volume_, size_, camera_, mode_, clip_, background_, gradients_;
+  std::vector<std::string> key_frames_, functions_, lights_;
+  std::optional<std::uint32_t> antialias_;
+  std::optional<double> isovalue_, ambient_, diffuse_, specular_, shininess_, samples_;
+  bool shaded_ = true, transparent_ = false, finest_ = false;
+  CLI::Option *shaded_option_ = nullptr, *transparent_option_ = nullptr, *finest_option_ = nullptr;
+  RawFlags raw_;
+};
+
+}  // namespace gvx::app

@@ -1,0 +1,29 @@
+/// \file
+/// From a scene file and an open volume to what is rendered; and names of files as seen from other folders.
+#pragma once
+
+#include <string>
+
+#include "gvx/core/result.h"
+#include "gvx/render/view.h"
+#include "gvx/scene/scene_file.h"
+#include "open_scene.h"
+#include "scene_flags.h"
+
+namespace gvx::app {
+
+/// What is known of a raw file, as readers take it.
+io::RawOptions raw_options(const scene::RawParts& raw);
+
+/// The scene with all that it and the flags leave out chosen to suit the volume, so that nothing is left out.
+Result<scene::SceneFile> complete(scene::SceneFile scene, const SceneFlags& flags, const Scene& opened);
+
+/// Of a complete scene.
+Result<render::View> make_view(const scene::SceneFile& scene, const Scene& opened);
+
+/// Names of files, as seen from the scene file's folder, as seen from here.
+void resolve_names(scene::SceneFile& scene, const std::string& scene_path);
+/// And the way back, for a scene file that is to be written.
+void relate_names(scene::SceneFile& scene, const std::string& scene_path);
+
+}  // namespace gvx::app
