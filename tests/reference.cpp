@@ -53,7 +53,8 @@ Vec3d central_differences(Vec3d p, Function value) {
 double soft_gradient_of(const scene::TransferFunction& f) {
   const double first = std::min(f.colors.front().value, f.opacities.front().value);
   const double last = std::max(f.colors.back().value, f.opacities.back().value);
-  return (last - first) * scene::TransferView::kEntries / (scene::TransferView::kEntries - 1) / 200;
+  return (last - first) * scene::TransferView::kEntries / (scene::TransferView::kEntries - 1) *
+         scene::kSoftGradient;
 }
 
 /// What one ray needs.
@@ -95,7 +96,8 @@ struct Tracer {
       const Vec3d g = volume.gradient(c, p);
       e *= function(c).gradient_factor(length(world_to_voxel.transposed_vector(g)));
       const double steep = length(g);
-      const scene::Shade<double> s = shade(g, steep / (steep + soft_gradient_of(function(c))), t);
+      const scene::Shade<double> s =
+          shade(g, scene::surface_certainty(steep, soft_gradient_of(function(c))), t);
       sum = sum + e * (function(c).color(value) * s.body + s.glint);
       extinction += e;
     }

@@ -23,7 +23,7 @@ BruteForce::BruteForce(const DenseVolume& volume, const scene::TransferFunction&
   const double last = std::max(function.colors.back().value, function.opacities.back().value);
   first_ = static_cast<float>(first);
   to_entry_ = static_cast<float>((kEntries - 1) / (last - first));
-  soft_gradient_ = static_cast<float>((last - first) / 200);
+  soft_gradient_ = static_cast<float>((last - first) * scene::kSoftGradient);
   const double unit = function.unit_distance > 0 ? function.unit_distance : volume.spacing();
   for (int i = 0; i < kEntries; ++i) {
     const double value = first + (last - first) * i / (kEntries - 1);
@@ -91,7 +91,7 @@ Vec3f BruteForce::ray_color(const Ray& world, const scene::LightingView& lightin
       const float steep = length(g);
       const scene::Shade<float> shade =
           lighting.shade<float>(Vec3f(world_to_voxel_.transposed_vector(Vec3d(g))),
-                                steep / (steep + soft_gradient_), to_eye, Vec3f(world.at(t)));
+                                scene::surface_certainty(steep, soft_gradient_), to_eye, Vec3f(world.at(t)));
       sample = sample * shade.body + shade.glint;
     }
     color = color + left * e.opacity * sample;

@@ -1,11 +1,11 @@
 // How right are the engine's pictures? Compares them with a brute-force renderer's. Without a section all
-// three run.
+// three run. --samples and --unlit change the pictures of the table, to tell errors apart.
 //
 //     gvx_bench_quality ROOT OUT [--pictures] [--seams] [--zoom] [--only NAME] [--png FOLDER] [--fresh]
+//                       [--samples PER_VOXEL] [--unlit]
 
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -43,6 +43,10 @@ int main(int argc, char** argv) {
       zoom = true;
     } else if (flag == "--fresh") {
       request.folders.fresh = true;
+    } else if (flag == "--unlit") {
+      request.lit = false;
+    } else if (flag == "--samples" && i + 1 < argc) {
+      request.samples_per_voxel = std::atof(argv[++i]);
     } else if (flag == "--only" && i + 1 < argc) {
       request.only = argv[++i];
     } else if (flag == "--png" && i + 1 < argc) {
@@ -54,7 +58,7 @@ int main(int argc, char** argv) {
   if (usage) {
     std::fprintf(stderr,
                  "usage: gvx_bench_quality ROOT OUT [--pictures] [--seams] [--zoom] [--only NAME] "
-                 "[--png FOLDER] [--fresh]\n");
+                 "[--png FOLDER] [--fresh] [--samples PER_VOXEL] [--unlit]\n");
     return 2;
   }
   const std::string out = argv[2];

@@ -52,9 +52,10 @@ nlohmann::json bench_pictures(const Request& request, std::string& markdown) {
     }
     const scene::TransferFunction function = function_of(scene.function, volume).value();
     const BruteForce brute_force(*volume.dense, function);
-    for (const NamedView& named : {near_view(volume, function), middle_view(volume, function),
-                                   framed_view(volume, function, 4), framed_view(volume, function, 8)}) {
+    for (NamedView named : {near_view(volume, function), middle_view(volume, function),
+                            framed_view(volume, function, 4), framed_view(volume, function, 8)}) {
       const std::string title = scene_title(scene), file = title + "-" + named.name;
+      named.view.lighting.enabled = request.lit;
       const Reference reference =
           reference_picture(file, brute_force, named.view, named.reference_rays, request.folders);
       // The mean of two halves is off by half of their difference.
@@ -76,6 +77,7 @@ nlohmann::json bench_pictures(const Request& request, std::string& markdown) {
         }
         render::View view = named.view;
         view.antialias = variant.antialias;
+        view.samples_per_voxel = request.samples_per_voxel;
         view.level_of_detail = variant.level_of_detail;
         const EngineRun run = render_exact(*engine, view, true);
         const double decibels = psnr(run.picture, reference.picture);

@@ -11,8 +11,10 @@ namespace gvx::bench {
 
 struct Request {
   Folders folders;
-  std::string only;      ///< scenes whose name holds this
-  std::string pictures;  ///< a folder for PNGs of all pictures, or empty
+  std::string only;              ///< scenes whose name holds this
+  double samples_per_voxel = 2;  ///< of the engine's pictures of the table
+  bool lit = true;               ///< those pictures, and their references
+  std::string pictures;          ///< a folder for PNGs of all pictures, or empty
 };
 
 /// Is the scene asked for, and what is it called?

@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <numbers>
 
@@ -14,8 +12,8 @@ namespace gvx::bench {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-// Counts up when the reference renderer changes what it draws.
-constexpr int kReferenceVersion = 1;
+// Pixels along an edge of the sketch that a reference picture is known by.
+constexpr std::uint32_t kSketch = 12;
 
 double distance(const scene::Camera& camera) {
   return length(camera.target - camera.eye);
@@ -46,21 +44,16 @@ double contrast(const render::Picture& picture) {
   return squares / pixels - sum / pixels * sum / pixels;
 }
 
-/// Everything that a reference picture depends on but the voxels.
-std::uint64_t fingerprint(const render::View& view, std::uint32_t rays_per_axis) {
-  std::string text = scene::to_text(view.camera);
-  const auto add = [&text](double v) { text += ' ' + std::to_string(v); };
-  for (const scene::ColorPoint& p : view.functions[0].colors) {
-    for (const double v : {p.value, p.color.x, p.color.y, p.color.z}) add(v);
-  }
-  for (const scene::OpacityPoint& p : view.functions[0].opacities) {
-    for (const double v : {p.value, p.opacity}) add(v);
-  }
-  for (const double v :
-       {view.functions[0].unit_distance, double(view.width), double(view.height), double(rays_per_axis),
-        double(view.lighting.enabled), double(view.background.x), double(kReferenceVersion)}) {
-    add(v);
-  }
+/// Of the view and of a small picture of it, so that a reference picture is made anew when voxels, functions,
+/// lighting or the reference renderer change.
+std::uint64_t fingerprint(const BruteForce& brute_force, const render::View& view,
+                          std::uint32_t rays_per_axis) {
+  std::string text = scene::to_text(view.camera) + ' ' + std::to_string(view.width) + ' ' +
+                     std::to_string(view.height) + ' ' + std::to_string(rays_per_axis);
+  render::View sketch = view;
+  sketch.width = sketch.height = kSketch;
+  const render::Picture picture = brute_force.render(sketch, 1).picture;
+  text.append(reinterpret_cast<const char*>(picture.rgba.data()), picture.rgba.size() * sizeof(float));
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
   return hash;
@@ -113,7 +106,7 @@ Reference reference_picture(const std::string& name, const BruteForce& brute_for
                             std::uint32_t rays_per_axis, const Folders& folders) {
   char hash[17];
   std::snprintf(hash, sizeof(hash), "%016llx",
-                static_cast<unsigned long long>(fingerprint(view, rays_per_axis)));
+                static_cast<unsigned long long>(fingerprint(brute_force, view, rays_per_axis)));
   const std::string path = folders.cache + "/" + name + "-" + hash + ".f32";
   const render::Picture empty{view.width, view.height,
                               std::vector<float>(std::size_t(view.width) * view.height * 4)};

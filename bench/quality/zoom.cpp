@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "metrics.h"
 #include "sections.h"
@@ -15,8 +16,9 @@ constexpr std::uint32_t kWidth = 96, kHeight = 72;
 /// The view of frame i: a pixel is one voxel wide at first, and 2^kOctaves at last.
 render::View view_of_frame(const Volume& volume, const scene::TransferFunction& function, int i) {
   render::View view = middle_view(volume, function).view;
-  const double height = 2 * std::tan(view.camera.fov_degrees * M_PI / 360) * kHeight / view.height;
-  view.camera.fov_degrees = 2 * std::atan(height / 2) * 180 / M_PI;
+  const double height =
+      2 * std::tan(view.camera.fov_degrees * std::numbers::pi / 360) * kHeight / view.height;
+  view.camera.fov_degrees = 2 * std::atan(height / 2) * 180 / std::numbers::pi;
   view.width = kWidth;
   view.height = kHeight;
   const Vec3d back = view.camera.eye - view.camera.target;

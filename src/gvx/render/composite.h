@@ -105,8 +105,9 @@ GVX_HD void composite_span(const RayView& ray, const Stretch<Voxel, M>& s, const
     for (std::uint32_t c = 0; c < channels; ++c) {
       if (!(span.matter[c].extinction > 0.0f)) continue;
       const Vec3f gradient = gradient_at(s, c, i, blend);
-      const float steep = length(gradient);
-      shade[c] = ray.shade(gradient, steep / (steep + frame.soft_gradient[c]), s.t_at(i));
+      const float steep = s.gradient_scale(frame, blend) * length(gradient);
+      const float certainty = scene::surface_certainty(steep, frame.soft_gradient[c]);
+      shade[c] = ray.shade(gradient, certainty, s.t_at(i));
       if (visibility.functions[c].gradient_factor == nullptr) continue;
       const float voxels = s.fine.voxels_across * (1 - blend) + s.coarse.voxels_across * blend;
       const Vec3f world = Vec3f(frame.world_to_tree.transposed_vector(Vec3d(gradient)));

@@ -79,6 +79,7 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   std::int64_t stride = 1;
   for (int level = placement.max_level; level >= 0; --level, stride *= placement.n) {
     v.stride[level] = stride;
+    v.gradient_scale[level] = static_cast<float>(1 / std::sqrt(static_cast<double>(stride)));
     const double voxel_world = max_component(spacing) * static_cast<double>(stride);
     const bool out_of_reach = !view.level_of_detail || v.camera.orthographic;
     v.lod_distance[level] =
@@ -112,9 +113,8 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
     if (tables == nullptr) tables = make_tables(device, function, placement, most_extinction);
     v.visibility.functions[c] = tables->view;
     frame.tables_.push_back(std::move(tables));
-    // A surface crosses the function's values within a few voxels; a two-hundredth of them a voxel is noise.
-    v.soft_gradient[c] = static_cast<float>(scene::TransferView::kEntries /
-                                            std::abs(v.visibility.functions[c].to_entry_scale) / 200);
+    v.soft_gradient[c] = static_cast<float>(scene::kSoftGradient * scene::TransferView::kEntries /
+                                            std::abs(v.visibility.functions[c].to_entry_scale));
   }
   v.visibility.isovalue = static_cast<float>((view.isovalue - placement.offset) / placement.scale);
   if (view.mode == scene::Mode::isosurface) v.iso_color = Vec3f(view.functions[0].color(view.isovalue));

@@ -86,8 +86,9 @@ bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid gr
                  exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
                  exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
   return with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
-    return exec::for_each_pixel(device, "march_exact", grid, tiles, deadline,
-                                MarchExact<Voxel, N, M>{view, grid, rays, unfinished, pass.epoch, pass.lone_ray});
+    return exec::for_each_pixel(
+        device, "march_exact", grid, tiles, deadline,
+        MarchExact<Voxel, N, M>{view, grid, rays, unfinished, pass.epoch, pass.lone_ray});
   });
 }
 

@@ -46,7 +46,7 @@ struct BrickPath {
 template <typename Voxel, int M>
 struct Stretch {
   std::int64_t steps = 0;
-  int level = 0;        ///< whose steps these are
+  int level = 0;        ///< whose steps these are, and whose brick the fine one is
   double t_centre = 0;  ///< of the first step
   double t_step = 0;
   BrickPath<Voxel, M> fine;
@@ -54,6 +54,10 @@ struct Stretch {
   bool blended = false;
   bool fine_deviates = false;  ///< the fine brick is not of the finest level
 
+  GVX_HD float gradient_scale(const FrameView& frame, float blend) const {
+    const float fine_scale = frame.gradient_scale[level];
+    return blended ? fine_scale + blend * (frame.gradient_scale[level - 1] - fine_scale) : fine_scale;
+  }
   GVX_HD double t_at(float i) const { return t_centre + static_cast<double>(i) * t_step; }
   GVX_HD float blend_at(const FrameView& frame, float i) const {
     return blended ? frame.blend_at(level, t_at(i)) : 0.0f;

@@ -39,6 +39,17 @@ struct Lighting {
   constexpr bool operator==(const Lighting&) const = default;
 };
 
+/// How much of a surface matter with this gradient is, 0 to 1. Both in values a voxel; `soft` is where it is
+/// half of one: noise has gradients too, but none that mean anything.
+template <typename Real>
+GVX_HD inline Real surface_certainty(Real gradient, Real soft) {
+  return gradient * gradient / (gradient * gradient + soft * soft);
+}
+
+/// A surface crosses the values that a transfer function tells apart within a few voxels; this share of them
+/// a voxel counts half.
+inline constexpr double kSoftGradient = 1.0 / 40;
+
 /// What lighting does to a colour of some weight (its opacity, say): color * body + weight * glint.
 template <typename Real>
 struct Shade {
