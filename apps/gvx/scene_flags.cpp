@@ -90,6 +90,9 @@ void SceneFlags::add_to(CLI::App& command) {
   finest_option_ = command.add_flag("--finest,!--level-of-detail", finest_,
                                     "The finest level everywhere, however small it is in the picture");
   command.add_option("--samples", samples_, "Samples a voxel along a ray (2)");
+  command.add_option(
+      "--detail", detail_,
+      "Voxels across a pixel where levels of detail are chosen: 2 is sharp, 1 loads a quarter (2)");
   raw_.add_to(command);
 }
 
@@ -116,6 +119,7 @@ Status SceneFlags::apply(scene::SceneFile& scene) const {
   }
   if (transparent_option_->count() > 0) scene.transparent = transparent_;
   if (samples_) scene.samples = samples_;
+  if (detail_) scene.detail = detail_;
   if (finest_option_->count() > 0) scene.finest = finest_;
   return {};
 }

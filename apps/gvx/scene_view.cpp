@@ -115,6 +115,7 @@ Result<scene::SceneFile> complete(scene::SceneFile scene, const SceneFlags& flag
   if (!scene.background) scene.background = Vec3d(standard.background);
   if (!scene.transparent) scene.transparent = !standard.opaque_background;
   if (!scene.samples) scene.samples = standard.samples_per_voxel;
+  if (!scene.detail) scene.detail = standard.detail;
   if (!scene.finest) scene.finest = !standard.level_of_detail;
   return scene;
 }
@@ -143,6 +144,7 @@ Result<render::View> make_view(const scene::SceneFile& scene, const Scene& opene
   view.background = Vec3f(*scene.background);
   view.opaque_background = !*scene.transparent;
   view.samples_per_voxel = *scene.samples;
+  view.detail = *scene.detail;
   view.level_of_detail = !*scene.finest;
   return view;
 }

@@ -9,7 +9,6 @@ GVX_PROGRAM names the program, GVX_TEST_DATA the folder of volumes.
 """
 
 import json
-import pathlib
 import subprocess
 import sys
 import time
@@ -19,24 +18,22 @@ import numpy as np
 import peer
 import pictures
 
-names = sys.argv[1:] or [f"{v}-{k}" for v in ("head", "bonsai", "engine") for k in ("unlit", "shaded", "maximum")] + ["engine-side", "head-haze"]
+names = sys.argv[1:] or [f"{v}-{k}" for v in ("head", "bonsai", "engine") for k in ("unlit", "shaded", "maximum")]
+names = names if sys.argv[1:] else names + ["engine-side", "head-haze"]
 pictures.out.mkdir(parents=True, exist_ok=True)
 
 if not (pictures.root / "out/head.nhdr").exists():
     subprocess.run([pictures.root / "tools/fetch_head", pictures.root / "out"], check=False)
-sources = {"head": pictures.root / "out/head.nhdr",
-           "bonsai": pictures.test_data / "volumes/nifti/osv_bonsai.nii.gz",
-           "engine": pictures.test_data / "volumes/nifti/osv_engine.nii.gz"}
-
 rows, volumes = [], {}
 for name in names:
     volume = name.split("-")[0]
-    if not sources[volume].exists():
-        print(f"{name}: left out, {sources[volume]} is not there", file=sys.stderr)
+    source = pictures.source(volume)
+    if not source.exists():
+        print(f"{name}: left out, {source} is not there", file=sys.stderr)
         continue
     if volume not in volumes:
-        pictures.build(sources[volume], f"{volume}.gvx")
-        volumes = {volume: peer.read_volume(sources[volume])}
+        pictures.build(source, f"{volume}.gvx")
+        volumes = {volume: peer.read_volume(source)}
     at = {}
     for samples in (2, 8):
         tag = f"{name}-{samples}"
@@ -60,7 +57,8 @@ for name in names:
     for which, who in enumerate(("gvx", "vtk")):
         rows[-2][f"{who}_to_finer_db"] = pictures.differences(at[2][which], at[8][which], at[2][2])["psnr_db"]
 
-table = ["| scene | samples a voxel | PSNR dB | mean | 95 % | brightness gvx / VTK | offset px | gvx, VTK to their finer ones, dB |",
+table = ["| scene | samples a voxel | PSNR dB | mean | 95 % | brightness gvx / VTK | offset px | "
+         "gvx, VTK to their finer ones, dB |",
          "|---|---|---|---|---|---|---|---|"]
 for r in rows:
     table.append(f"| {r['scene']} | {r['samples']} | {r['psnr_db']} | {r['mean']} | {r['p95']} | "

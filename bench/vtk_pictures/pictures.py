@@ -16,6 +16,13 @@ program = pathlib.Path(os.environ.get("GVX_PROGRAM", root / "build/release/apps/
 test_data = pathlib.Path(os.environ.get("GVX_TEST_DATA") or root / "../shared/data").resolve()
 
 
+def source(name):
+    """The volume file of a scene that is compared with VTK."""
+    if name == "head":
+        return root / "out/head.nhdr"
+    return test_data / f"volumes/nifti/osv_{name}.nii.gz"
+
+
 def build(source, store):
     """Makes out/bench/vtk/STORE from a volume file, always anew: a store may be of an older gvx."""
     subprocess.run([program, "build", source, "-o", out / store, "--force"], stdout=subprocess.DEVNULL, check=True)
@@ -70,3 +77,10 @@ def offset(a, b):
         return whole + 0.5 * (low - high) / (low - 2 * mid + high)
 
     return round(float(fine(peak[y], x)), 2), round(float(fine(peak[:, x], y)), 2)
+
+
+if __name__ == "__main__":  # The pictures of docs/measurements/vtk-2026-11.md.
+    for made, name in (("head-unlit-2", "head"), ("bonsai-shaded-2", "bonsai"), ("engine-side-2", "engine"),
+                       ("vtkjs-composite", "js-chest"), ("vtkjs-minimum", "js-minimum")):
+        small = Image.open(out / f"{made}.png").convert("RGB").resize((840, 280), Image.LANCZOS)
+        small.quantize(128, dither=0).save(root / f"docs/pictures/vtk-{name}.png", optimize=True)

@@ -67,7 +67,8 @@ TEST(SampleOfOnePlane, deviations_are_unit_times_code_squared_and_continuous) {
   const float unit = 0.5f;
   std::memcpy(bytes.data(), &unit, sizeof(unit));
   for (std::size_t i = sizeof(unit); i < bytes.size(); ++i) bytes[i] = i % 6 < 3 ? 10 : 20;
-  EXPECT_EQ(deviation<8>(bytes.data(), {1, 1, 1}), 0.5f * (bytes[4 + 1 + 6 * (1 + 6)] == 10 ? 100.0f : 400.0f));
+  EXPECT_EQ(deviation<8>(bytes.data(), {1, 1, 1}),
+            0.5f * (bytes[4 + 1 + 6 * (1 + 6)] == 10 ? 100.0f : 400.0f));
   float before = deviation<8>(bytes.data(), {0, 3, 3});
   for (float x = 0; x <= 8; x += 0.01f) {
     const float now = deviation<8>(bytes.data(), {x, 3, 3});

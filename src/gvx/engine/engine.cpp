@@ -24,8 +24,8 @@ constexpr std::uint32_t kRestBlock = 4;
 // What a frame at rest spends on showing new data coarsely before exact rays reach it.
 constexpr double kRefreshShare = 0.4;
 
-// Passes in which no ray of the first screen tile came further, beside those that it takes to descend to a brick, one a
-// level: before one ray runs alone, and before it is taken for hopeless.
+// Passes in which no ray of the first screen tile came further, beside those that it takes to descend to a
+// brick, one a level: before one ray runs alone, and before it is taken for hopeless.
 constexpr int kPatience = 4;
 constexpr int kMostStuckPasses = 300;
 
@@ -197,8 +197,8 @@ Status Engine::render_exact() {
   return {};
 }
 
-/// Looks how far the first unfinished tile's rays have come. Where they stand still, one of them runs alone: memory
-/// may hold what it needs, though not what two do. An error where that does not help for long.
+/// Looks how far the first unfinished tile's rays have come. Where they stand still, one of them runs alone:
+/// memory may hold what it needs, though not what two do. An error where that does not help for long.
 Status Engine::check_progress() {
   std::int64_t progress = -static_cast<std::int64_t>(unfinished_tiles_.size());
   std::uint64_t first_unfinished = render::Pass::kAllRays;

@@ -91,9 +91,9 @@ class Engine {
   std::size_t window_ = 0;        // of unfinished tiles, how many run at a time
   std::size_t exact_cursor_ = 0;  // in unfinished_tiles_: where a pass that was cut off goes on
   Eviction eviction_ = Eviction::unused;
-  bool crowded_ = false;  // rays wanted more than there was room for
+  bool crowded_ = false;                             // rays wanted more than there was room for
   std::uint64_t lone_ray_ = render::Pass::kAllRays;  // that runs where memory is too small for more
-  int stuck_passes_ = 0;  // in which no ray of a lone screen tile came further
+  int stuck_passes_ = 0;                             // in which no ray of a lone screen tile came further
   std::int64_t progress_ = 0;
   std::uint32_t stamp_ = 0;
   PreviewProgress preview_;

@@ -21,7 +21,8 @@ class CountingProducer final : public Producer {
   }
   const TreeDescription& description() const override { return description_; }
   Status describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const override {
-    for (std::size_t i = 0; i < keys.size(); ++i) infos[i] = {ValueRange{0, static_cast<float>(keys[i].x)}, false};
+    for (std::size_t i = 0; i < keys.size(); ++i)
+      infos[i] = {ValueRange{0, static_cast<float>(keys[i].x)}, false};
     return {};
   }
   Status produce(const NodeKey& key, std::span<std::byte> voxels) const override {

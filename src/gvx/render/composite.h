@@ -30,10 +30,10 @@ struct EntryPath {
   }
 };
 
-// A step that is seen and goes through more entries of the function than this is sampled at as many more
-// places.
-inline constexpr float kWidePath = 256.0f;
-inline constexpr int kMostCuts = 4;
+// A step is sampled at more places the more opaque it is and the more entries of the function it goes
+// through: one more for an opaque step through this many.
+inline constexpr float kWidePath = 32.0f;
+inline constexpr int kMostCuts = 8;
 // Between two samples, a span that goes through more entries than this is cut into parts of about this
 // optical depth.
 inline constexpr float kNarrowPath = 8.0f;
@@ -151,7 +151,8 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
     sample_all(end, back);
     const Span<kChannels> whole(visibility, channels, begin, end, front, back);
     // Where the values change fast they do not change evenly.
-    const int cuts = static_cast<int>(std::fmin(1 + whole.longest / kWidePath, float(kMostCuts)));
+    const float opaque = std::fmin(whole.extinction * units, 1.0f);
+    const int cuts = static_cast<int>(std::fmin(1 + opaque * whole.longest / kWidePath, float(kMostCuts)));
     if (whole.extinction > 0.0f && cuts == 1) {
       composite_span(ray, s, whole, channels, by_gradient, units, state);
     } else if (whole.extinction > 0.0f) {

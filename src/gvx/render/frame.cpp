@@ -27,6 +27,7 @@ Status check(const View& view, const TreePlacement& placement) {
   if (!(view.samples_per_voxel >= 1 && view.samples_per_voxel <= 1000)) {
     return Error{"samples per voxel: must be between 1 and 1000"};
   }
+  if (!(view.detail >= 0.25 && view.detail <= 16)) return Error{"detail: must be between 0.25 and 16"};
   for (int axis = 0; axis < 3; ++axis) {
     if (!(view.clip.minimum[axis] < view.clip.maximum[axis])) {
       return Error{"clip box: each minimum must be below its maximum"};
@@ -80,14 +81,14 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   for (int level = placement.max_level; level >= 0; --level, stride *= placement.n) {
     v.stride[level] = stride;
     v.gradient_scale[level] = static_cast<float>(1 / std::sqrt(static_cast<double>(stride)));
-    const double voxel_world = max_component(spacing) * static_cast<double>(stride);
+    const double wide_enough = view.detail * max_component(spacing) * static_cast<double>(stride);
     const bool out_of_reach = !view.level_of_detail || v.camera.orthographic;
     v.lod_distance[level] =
-        out_of_reach ? std::numeric_limits<double>::infinity() : voxel_world / v.camera.pixel;
-    if (v.camera.orthographic && view.level_of_detail && voxel_world <= v.camera.pixel) {
+        out_of_reach ? std::numeric_limits<double>::infinity() : wide_enough / v.camera.pixel;
+    if (v.camera.orthographic && view.level_of_detail && wide_enough <= v.camera.pixel) {
       v.fixed_level = level;
-      const double coarser = voxel_world * placement.n;
-      const double share = (v.camera.pixel - voxel_world) / (coarser - voxel_world);
+      const double coarser = wide_enough * placement.n;
+      const double share = (v.camera.pixel - wide_enough) / (coarser - wide_enough);
       v.fixed_blend = level > 0 ? static_cast<float>(std::min(share, 1.0)) : 0.0f;
     }
   }

@@ -7,8 +7,8 @@
 /// ticks long and starts at a multiple of it, so that where a ray takes its samples depends on the ray alone:
 /// not on nodes, not on what is resident.
 ///
-/// A ray is a cone. Where it is as wide as a voxel of level l, that level alone is sampled; from there on the
-/// next coarser one is blended in, until the cone is as wide as its voxels:
+/// A ray is a cone. Where it is View::detail voxels of level l wide, that level alone is sampled; from there
+/// on the next coarser one is blended in, until the cone is as many of its voxels wide:
 ///
 ///     t        0 ........ lod_distance[2] ........ lod_distance[1] .............. lod_distance[0] ......
 ///     level        2 = max       |   2, more and more of 1   |   1, more and more of 0   |   0
@@ -35,7 +35,7 @@ struct FrameView {
   Box3d box;  ///< of the visible volume in tree space
   double tick_world = 0;
   int max_level = 0;
-  double lod_distance[kMaxLevels] = {};  ///< the cone is as wide as a voxel of level l there
+  double lod_distance[kMaxLevels] = {};  ///< the cone is View::detail voxels of level l wide there
   std::int64_t stride[kMaxLevels] = {};  ///< of a step of level l, in ticks
   float fixed_blend = -1;  ///< share of the coarser level everywhere, if not negative (orthographic)
   int fixed_level = 0;     ///< and the level then

@@ -20,8 +20,8 @@ TEST(Frame, level_follows_the_cone) {
   const double finest_voxel = 1.0 / (16 * 32);
   EXPECT_EQ(v.level_at(0), 5);
   for (int level = 0; level < 5; ++level) {
-    // Level l serves from where its voxel is as wide as the pixel.
-    const double t = finest_voxel * static_cast<double>(1 << (5 - level)) / v.camera.pixel;
+    // Level l serves from where two of its voxels are as wide as the pixel.
+    const double t = 2 * finest_voxel * static_cast<double>(1 << (5 - level)) / v.camera.pixel;
     EXPECT_EQ(v.level_at(t * 1.0001), level);
     EXPECT_EQ(v.level_at(t * 0.9999), level + 1);
     EXPECT_EQ(v.stride[level], 1 << (5 - level));
@@ -49,6 +49,9 @@ TEST(Frame, bad_views_are_errors) {
   EXPECT_TRUE(fails([](View& v) { v.functions[0].opacities.clear(); }));
   EXPECT_TRUE(fails([](View& v) { v.camera.target = v.camera.eye; }));
   EXPECT_TRUE(fails([](View& v) { v.samples_per_voxel = 0; }));
+  EXPECT_TRUE(fails([](View& v) { v.detail = 0; }));
+  EXPECT_TRUE(fails([](View& v) { v.antialias = 9; }));
+  EXPECT_TRUE(fails([](View& v) { v.lighting.lights = 99; }));
 }
 
 }  // namespace

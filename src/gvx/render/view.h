@@ -30,6 +30,9 @@ struct View {
   bool opaque_background = true;     ///< otherwise pixels keep their alpha
   double samples_per_voxel = 2;      ///< along a ray, of the level that is sampled
   bool level_of_detail = true;       ///< otherwise the finest level everywhere
+  /// Voxels across a ray's cone where levels of detail are chosen: at 2 the filter between voxels is as wide
+  /// as the cone, 1 is blurred and loads a quarter.
+  double detail = 2;
 
   bool operator==(const View&) const = default;
 };

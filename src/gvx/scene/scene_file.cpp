@@ -27,6 +27,7 @@ constexpr NumberRange kWeight{0, 100};
 constexpr NumberRange kShininess{0, 10000};
 constexpr NumberRange kRays{1, 8, true};
 constexpr NumberRange kSamples{1, 1000};
+constexpr NumberRange kDetail{0.25, 16};
 constexpr std::array<const char*, 8> kTypes = {"u8", "i8", "u16", "i16", "u32", "i32", "f32", "f64"};
 constexpr std::array<const char*, 2> kByteOrders = {"little", "big"};
 
@@ -215,6 +216,7 @@ Result<SceneFile> read_document(const Json& document) {
   scene.background = vector_of(fields.row("background", three(kShare)));
   scene.transparent = fields.boolean("transparent");
   scene.samples = fields.number("samples", kSamples);
+  scene.detail = fields.number("detail", kDetail);
   scene.finest = fields.boolean("finest");
   GVX_TRY(fields.finish());
   return scene;

@@ -95,6 +95,7 @@ struct SceneFile {
   std::optional<Vec3d> background;
   std::optional<bool> transparent;
   std::optional<double> samples;
+  std::optional<double> detail;
   std::optional<bool> finest;
 
   bool operator==(const SceneFile&) const = default;

@@ -185,6 +185,7 @@ std::string to_json(const SceneFile& scene) {
   put(document, "background", scene.background);
   put(document, "transparent", scene.transparent);
   put(document, "samples", scene.samples);
+  put(document, "detail", scene.detail);
   put(document, "finest", scene.finest);
   std::string text;
   write(document, text, "");

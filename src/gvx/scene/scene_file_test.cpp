@@ -34,6 +34,7 @@ const char* const kEverything = R"({
   "background": [0.1, 0.2, 0.3],
   "transparent": false,
   "samples": 3,
+  "detail": 1.5,
   "finest": true
 })";
 
@@ -72,6 +73,7 @@ TEST(SceneFile, reads_every_field) {
   EXPECT_EQ(scene.background, Vec3d(0.1, 0.2, 0.3));
   EXPECT_EQ(scene.transparent, false);
   EXPECT_EQ(scene.samples, 3);
+  EXPECT_EQ(scene.detail, 1.5);
   EXPECT_EQ(scene.finest, true);
 }
 

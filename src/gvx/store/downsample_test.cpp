@@ -100,7 +100,9 @@ void expect_deviations(std::uint32_t n, std::uint32_t m, Vec3i dimensions, doubl
     const std::byte* deviations = brick.data() + plane_texels(m) * sizeof(Voxel);
     float unit = 0;
     std::memcpy(&unit, deviations, sizeof(unit));
-    if (scale == 1) EXPECT_EQ(unit, 0.0f);
+    if (scale == 1) {
+      EXPECT_EQ(unit, 0.0f);
+    }
     std::size_t i = sizeof(unit);
     for (std::int64_t z = -1; z <= half; ++z) {
       for (std::int64_t y = -1; y <= half; ++y) {
@@ -118,8 +120,8 @@ void expect_deviations(std::uint32_t n, std::uint32_t m, Vec3i dimensions, doubl
 }
 
 TEST(Deviations, are_those_of_the_finest_voxels) {
-  // Sizes that blocks divide: others weigh a block at the face like a full one. Means are rounded, by half of one a
-  // level.
+  // Sizes that blocks divide: others weigh a block at the face like a full one. Means are rounded, by half of
+  // one a level.
   expect_deviations<std::uint8_t>(2, 8, {48, 32, 16}, 255, 0.6);
   expect_deviations<std::uint16_t>(3, 8, {54, 36, 18}, 60000, 1);
   expect_deviations<float>(2, 16, {64, 32, 16}, 1e-3, 1e-8);
