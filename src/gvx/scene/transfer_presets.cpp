@@ -62,7 +62,6 @@ TransferFunction gray(const ValueStatistics& s) {
           0};
 }
 
-/// What is above the middle of the values, as a surface.
 /// The value that parts the histogram into the two most compact groups (Otsu 1979); the middle where there is
 /// none.
 double otsu_threshold(const ValueStatistics& s) {
@@ -126,6 +125,7 @@ TransferFunction ramp(const ValueStatistics& s) {
           0};
 }
 
+/// What is above the middle of the values, as a surface.
 TransferFunction solid(const ValueStatistics& s) {
   const double width = std::max(s.maximum - s.minimum, 1e-30);
   const auto at = [&](double share) { return s.minimum + share * width; };
