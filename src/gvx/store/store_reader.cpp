@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "gvx/store/codec.h"
@@ -17,6 +18,15 @@ constexpr std::size_t kPagesKept = 4096;
 VoxelFormat format_of(const FileHeader& header) {
   return {static_cast<VoxelType>(header.voxel_type), static_cast<VoxelContent>(header.content),
           header.planes};
+}
+
+/// Can voxels of the type have these values?
+bool is_possible(ValueRange range, VoxelType type) {
+  const float greatest = type == VoxelType::u8    ? 255.0f
+                         : type == VoxelType::u16 ? 65535.0f
+                                                  : std::numeric_limits<float>::max();
+  const float least = type == VoxelType::f32 ? -greatest : 0.0f;
+  return least <= range.minimum && range.minimum <= range.maximum && range.maximum <= greatest;
 }
 
 /// The message for a header field that is out of its bounds, or empty.
@@ -145,7 +155,7 @@ Status StoreReader::read_metadata(const FileHeader& header) {
     if (!range.is_array() || range.size() != 2 || !range[0].is_number() || !range[1].is_number())
       return wrong();
     info_.ranges.channel[c] = {range[0].get<float>(), range[1].get<float>()};
-    if (!(info_.ranges.channel[c].minimum <= info_.ranges.channel[c].maximum)) return wrong();
+    if (!is_possible(info_.ranges.channel[c], info_.format.type)) return wrong();
     auto& bins = info_.histograms.emplace_back();
     for (const auto& bin : channel["histogram"]) {
       if (!bin.is_number_unsigned()) return wrong();
@@ -192,11 +202,8 @@ Result<NodeRecord> StoreReader::node(const NodeKey& key) const {
   GVX_ASSIGN(const auto records, page(index));
   const std::uint32_t x = key.x % kPageEdge, y = key.y % kPageEdge, z = key.z % kPageEdge;
   const NodeRecord record = (*records)[(z * kPageEdge + y) * kPageEdge + x];
-  const VoxelType type = info_.format.type;
-  const float greatest = type == VoxelType::u8 ? 255.0f : type == VoxelType::u16 ? 65535.0f : INFINITY;
-  const float least = type == VoxelType::f32 ? -INFINITY : 0.0f;
   for (const ValueRange range : record.ranges.channel) {
-    if (!(least <= range.minimum && range.minimum <= range.maximum && range.maximum <= greatest)) {
+    if (!is_possible(range, info_.format.type)) {
       return Error{path_ + ": corrupt: the value range of " + node_name(key) + " is impossible"};
     }
   }
