@@ -44,7 +44,7 @@ TEST(Modes, projections_and_isosurfaces_equal_the_reference) {
 }
 
 TEST(Modes, an_isosurface_is_where_the_value_is) {
-  // Of a distance the isosurface is a ball: its silhouette and its depth are known.
+  // Of a distance the isosurface is a ball: what it covers is known.
   TestScene scene = analytic_scene(
       "distance", [](Vec3d p) { return length(p - Vec3d(0.5)); }, {64, 64, 64}, {1, 1, 1}, 2, 16);
   scene.view.mode = scene::Mode::isosurface;
@@ -72,7 +72,7 @@ TEST(Modes, channels_each_have_their_function) {
   };
   TestScene scene = planar_scene("two", two, {scaled(ball, 255), scaled(waves, 255)}, {50, 44, 40}, 2, 8);
   scene.view.functions = {function(255, {1, 0.4, 0.2}), function(255, {0.2, 0.6, 1})};
-  expect_right(scene, "two channels of u8", 45);
+  expect_right(scene, "two channels of u8", 54);
   scene.view.mode = scene::Mode::maximum;
   expect_right(scene, "their maxima", 45);
 
@@ -95,7 +95,7 @@ TEST(Modes, labels_are_never_blended) {
     scene.view.functions = {scene::label_colors(9)};
     scene.view.functions[0].opacities = {{0, 0}, {0.5, 0}, {0.5, 0.15}};
     scene.view.lighting.enabled = false;
-    expect_right(scene, "translucent labels", 33);
+    expect_right(scene, "translucent labels", 46);
     // With opaque labels every colour of the picture is one of the table or the background.
     scene.view.functions[0].opacities = {{0, 0}, {0.5, 0}, {0.5, 1}};
     const render::Picture picture = render_exact(scene);
@@ -110,7 +110,7 @@ TEST(Modes, labels_are_never_blended) {
     }
     scene.view.lighting.enabled = true;
     scene.view.functions[0].opacities = {{0, 0}, {0.5, 0}, {0.5, 0.15}};
-    expect_right(scene, "translucent labels, lit", 33);
+    expect_right(scene, "translucent labels, lit", 37);
   }
 }
 
@@ -125,7 +125,7 @@ TEST(Modes, colours_and_normals) {
       planar_scene("colors", {VoxelType::u8, VoxelContent::color, 4}, colors, {44, 44, 44}, 2, 8);
   scene.view.functions.clear();
   scene.view.lighting.enabled = false;
-  expect_right(scene, "colour voxels", 45);
+  expect_right(scene, "colour voxels", 80);
 
   std::vector<Field> with_normals = colors;
   for (int axis = 0; axis < 3; ++axis) {
@@ -137,7 +137,7 @@ TEST(Modes, colours_and_normals) {
   scene = planar_scene("normals", {VoxelType::u8, VoxelContent::color_normal, 7}, with_normals, {44, 44, 44},
                        2, 8);
   scene.view.functions.clear();
-  expect_right(scene, "colour voxels with normals", 42);
+  expect_right(scene, "colour voxels with normals", 80);
 }
 
 TEST(Modes, lights_and_gradient_opacity) {
@@ -145,7 +145,7 @@ TEST(Modes, lights_and_gradient_opacity) {
   const auto variant = [&](const char* what, auto change) {
     TestScene changed = scene;
     change(changed.view);
-    expect_right(changed, what, 45);
+    expect_right(changed, what, 80);
   };
   variant("a light in the world", [](auto& v) {
     v.lighting.light[0] = {scene::LightKind::directional, {1, 2, -3}, {1, 0.9f, 0.8f}};

@@ -64,6 +64,8 @@ Result<nlohmann::json> describe_volume(const std::string& path, const io::RawOpt
   nlohmann::json j = describe_place(d.dimensions, d.voxel_to_world, d.anatomical);
   j["format"] = "volume file";
   j["type"] = io::sample_name(d.type);
+  j["content"] = d.colors ? "color" : "scalar";
+  j["planes"] = d.components;
   j["scale"] = d.scale;
   j["offset"] = d.offset;
   j["sample_bytes"] = io::volume_bytes(d);
@@ -83,6 +85,9 @@ void print(const std::string& path, const nlohmann::json& j) {
   };
   row("format", j["format"]);
   row("voxels", joined(j["dimensions"], " x ") + " " + j["type"].get<std::string>());
+  if (j["content"] != "scalar" || j["planes"] != 1) {
+    row("content", j["content"].get<std::string>() + ", " + j["planes"].dump() + " numbers a voxel");
+  }
   row("spacing",
       joined(j["spacing"], ", ") + (j["anatomical"] ? " mm, patient space (x right, y front, z up)" : ""));
   if (j.contains("value_range")) row("values", joined(j["value_range"], " to "));

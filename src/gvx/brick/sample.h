@@ -52,6 +52,11 @@ GVX_HD inline float sample(const Voxel* voxels, Vec3f position) {
 /// face.
 template <int M, typename Voxel>
 GVX_HD inline Vec3f gradient(const Voxel* voxels, Vec3f position) {
+  // The border is no wider than the half voxel that is needed at a face.
+  for (int axis = 0; axis < 3; ++axis) {
+    const float p = position[axis];
+    position[axis] = p > 0.0f ? (p < float(M) ? p : float(M)) : 0.0f;
+  }
   const TexelAxis<M> x(position.x), y(position.y), z(position.z);
   return {trilinear<M>(voxels, TexelAxis<M>(position.x + 0.5f), y, z) -
               trilinear<M>(voxels, TexelAxis<M>(position.x - 0.5f), y, z),

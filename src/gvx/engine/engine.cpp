@@ -328,6 +328,8 @@ Status Engine::take_finished() {
 }
 
 void Engine::begin_frame() {
+  stuck_passes_ = 0;
+  lone_ray_ = render::Pass::kAllRays;
   frame_start_ = Clock::now();
   statistics_ = {};
 }

@@ -1,10 +1,23 @@
 #include "gvx/io/channel_merger.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "gvx/io/header_text.h"
 
 namespace gvx::io {
+
+namespace {
+
+/// Within a voxel at either end, that is: programs round, and scans of one session are a little apart.
+bool same_place(const VolumeDescription& a, const VolumeDescription& b) {
+  const Affine3 &p = a.voxel_to_world, &q = b.voxel_to_world;
+  const double voxel = std::min({length(p.column[0]), length(p.column[1]), length(p.column[2])});
+  const Vec3d far(a.dimensions);
+  return length(p.origin - q.origin) < voxel && length(p.point(far) - q.point(far)) < voxel;
+}
+
+}  // namespace
 
 ChannelMerger::ChannelMerger(std::vector<std::unique_ptr<VolumeReader>> channels)
     : channels_(std::move(channels)), description_(channels_.front()->description()) {
@@ -21,6 +34,9 @@ Result<std::unique_ptr<ChannelMerger>> ChannelMerger::merge(
     if (d.components != 1) return file_error(d.path, "channels: expected volumes of one number a voxel");
     if (d.dimensions != first.dimensions || d.type != first.type) {
       return file_error(d.path, "channels: expected the dimensions and sample type of " + first.path);
+    }
+    if (d.scale != first.scale || d.offset != first.offset || !same_place(d, first)) {
+      return file_error(d.path, "channels: expected the place and value scale of " + first.path);
     }
   }
   return std::unique_ptr<ChannelMerger>(new ChannelMerger(std::move(channels)));

@@ -12,8 +12,8 @@ namespace gvx::io {
 
 class ChannelMerger final : public SliceReader {
  public:
-  /// Two to four volumes of one component; an error that names the first whose dimensions or sample type are
-  /// not those of the first. Place and value scale are the first one's.
+  /// Up to four volumes of one component; an error that names the first whose dimensions, sample type, value
+  /// scale or place (to a voxel) are not those of the first.
   static Result<std::unique_ptr<ChannelMerger>> merge(std::vector<std::unique_ptr<VolumeReader>> channels);
 
   const VolumeDescription& description() const override { return description_; }

@@ -53,9 +53,11 @@ Result<VoxelFormat> choose_format(const VolumeDescription& d, const StoreBuildOp
     if (components != 1 || type == VoxelType::f32) {
       return Error{d.path + ": labels: expected one integer of 8 or 16 bits a voxel"};
     }
+    if (options.type) return Error{d.path + ": labels keep their type: --type does not go with --labels"};
     return VoxelFormat{type, VoxelContent::labels, 1};
   }
   if (d.colors) {
+    if (options.type) return Error{d.path + ": colours are kept as u8: --type does not go with them"};
     if (d.type != SampleType::u8) return Error{d.path + ": colours: expected u8 components"};
     return VoxelFormat{VoxelType::u8, VoxelContent::color, 4};
   }
@@ -181,6 +183,12 @@ std::uint64_t convert(const exec::Device& cpu, SampleType from, const Conversion
   return not_finite;
 }
 
+bool any_negative(SampleType type, std::span<const std::byte> samples) {
+  SampleRange range;
+  extend_range(type, samples, range);
+  return range.minimum < 0;
+}
+
 bool same_bytes(SampleType from, const Conversion& c) {
   return (from == SampleType::u8 && c.type == VoxelType::u8) ||
          (from == SampleType::u16 && c.type == VoxelType::u16);
@@ -247,8 +255,9 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reade
     conversion = {info.format.type, range.minimum,
                   range.maximum > range.minimum ? (range.maximum - range.minimum) / steps : 1};
   }
-  info.scale = d.scale * conversion.unit;
-  info.offset = d.offset + d.scale * conversion.bias;
+  // Labels and colours are what they are: a slope means nothing for them.
+  info.scale = keeps_numbers ? 1 : d.scale * conversion.unit;
+  info.offset = keeps_numbers ? 0 : d.offset + d.scale * conversion.bias;
 
   StoreBuildReport report;
   report.rounded =
@@ -267,6 +276,9 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reade
     } else if (same_bytes(d.type, conversion)) {
       GVX_TRY(pyramid.push_slices(slices, samples));
     } else {
+      if (options.labels && any_negative(d.type, samples)) {
+        return Error{d.path + ": labels: expected none below 0"};
+      }
       report.not_finite += convert(cpu, d.type, conversion, samples, voxels);
       GVX_TRY(pyramid.push_slices(slices, voxels));
     }

@@ -44,6 +44,7 @@ Status check(const View& view, const TreePlacement& placement) {
   if (view.lighting.lights < 0 || view.lighting.lights > scene::Lighting::kMostLights) {
     return Error{"lights: at most " + std::to_string(scene::Lighting::kMostLights)};
   }
+  GVX_TRY(scene::check(view.lighting));
   const bool has_function = scalar || placement.format.content == VoxelContent::labels;
   if (has_function && view.functions.empty()) return Error{"transfer function: none given"};
   for (const scene::TransferFunction& function : view.functions) GVX_TRY(scene::check(function));
@@ -98,7 +99,7 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   const double unit = unit_distance > 0 ? unit_distance : min_component(spacing);
   v.units_per_tick = static_cast<float>(v.tick_world / unit);
   // A step of the finest level through the most opaque matter leaves less than RayMarcher looks at.
-  const double most_extinction = std::max(16.0, 8 * unit / v.tick_world);
+  const double most_extinction = std::clamp(8 * unit / v.tick_world, 16.0, 1e6);
   v.visibility.mode = view.mode;
   v.visibility.channels = placement.format.channels();
   for (std::uint32_t c = 0; c < v.visibility.channels; ++c) {

@@ -22,8 +22,8 @@ struct RayView {
   Ray world;
   Vec3f to_eye;
 
-  /// The lighting at distance t, at a point with this gradient in tree space; `steep` is its length in stored
-  /// values a voxel.
+  /// The lighting at distance t, at a point with this gradient in tree space; `certainty` says how much of a
+  /// surface it is.
   GVX_HD scene::Shade<float> shade(Vec3f gradient_tree, float certainty, double t) const {
     if (!frame.lighting.lighting.enabled) return {};
     const Vec3f gradient_world = Vec3f(frame.world_to_tree.transposed_vector(Vec3d(gradient_tree)));

@@ -68,7 +68,8 @@ Result<CameraPath> CameraPath::create(std::vector<KeyFrame> key_frames) {
       return bad(
           "is not of the kind of the first: all fov (perspective) or all height (orthographic) expected");
     }
-    if (const auto view = make_view(key.camera, 1, 1); !view.ok()) return bad(": " + view.error().message);
+    if (const auto view = make_view(key.camera, 1, 1); !view.ok())
+      return bad("is no view: " + view.error().message);
   }
   return CameraPath(std::move(key_frames));
 }

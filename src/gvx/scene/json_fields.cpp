@@ -36,7 +36,7 @@ bool NumberRange::contains(double v) const {
 }
 
 std::string NumberRange::text() const {
-  const std::string number = whole ? "a whole number" : "a number";
+  std::string number = whole ? "a whole number" : "a number";
   if (most < std::numeric_limits<double>::infinity()) {
     return number + (open ? " between " : " from ") + number_text(least) + (open ? " and " : " to ") +
            number_text(most);

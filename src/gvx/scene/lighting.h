@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <cstdint>
+#include <string>
 
+#include "gvx/core/result.h"
 #include "gvx/core/vec.h"
 
 namespace gvx::scene {
@@ -62,6 +64,13 @@ struct LightingView {
   Lighting lighting;
   Vec3d place[Lighting::kMostLights];  ///< unit directions to the lights, or places of point lights
 
+  /// A light opposite the eye has no direction half way, and one at the point itself none at all.
+  template <typename Real>
+  GVX_HD static Vec3<Real> unit_or_zero(Vec3<Real> v) {
+    const Real l = length(v);
+    return l > Real(0) ? v / l : Vec3<Real>();
+  }
+
   /// At a point with this gradient, in world space; to_eye is a unit vector. `certainty`, 0 to 1, says how
   /// much of a surface it is: homogeneous matter has no normal and is lit from all sides alike.
   template <typename Real>
@@ -76,11 +85,11 @@ struct LightingView {
       const Light& light = lighting.light[i];
       const Vec3<Real> color(light.color);
       Vec3<Real> to_light(place[i]);
-      if (light.kind == LightKind::point) to_light = normalize(to_light - point);
+      if (light.kind == LightKind::point) to_light = unit_or_zero(to_light - point);
       Real facing = Real(1);
       if (has_normal) {
         facing = Real(1) + certainty * (std::fabs(dot(normal, to_light)) - Real(1));
-        const Real half = std::fabs(dot(normal, normalize(to_eye + to_light)));
+        const Real half = std::fabs(dot(normal, unit_or_zero(to_eye + to_light)));
         const Real glint = certainty * Real(lighting.specular) * std::pow(half, Real(lighting.shininess));
         shade.glint = shade.glint + glint * color;
       }
@@ -89,6 +98,24 @@ struct LightingView {
     return shade;
   }
 };
+
+/// An error where a weight is no number, or a light has no direction or place.
+inline Status check(const Lighting& lighting) {
+  for (const float weight : {lighting.ambient, lighting.diffuse, lighting.specular, lighting.shininess}) {
+    if (!(weight >= 0) || !std::isfinite(weight)) return Error{"lighting: weights must be 0 or more"};
+  }
+  for (int i = 0; i < lighting.lights; ++i) {
+    const Light& light = lighting.light[i];
+    const double far = length(light.place);
+    const bool placed = std::isfinite(far) && (light.kind == LightKind::point || far > 0);
+    const bool colored = light.color.x >= 0 && light.color.y >= 0 && light.color.z >= 0 &&
+                         std::isfinite(light.color.x + light.color.y + light.color.z);
+    if (!placed || !colored) {
+      return Error{"light " + std::to_string(i + 1) + ": must have a direction and a colour of 0 or more"};
+    }
+  }
+  return {};
+}
 
 /// The lights where they are in a frame whose camera has these axes.
 inline LightingView place_lights(const Lighting& lighting, Vec3d forward, Vec3d right, Vec3d up) {

@@ -76,7 +76,7 @@ Status check(const TransferFunction& function) {
       return bad("gradient", i, "is below the one before it");
     if (!(p.factor >= 0 && p.factor <= 1)) return bad("gradient", i, "has a factor outside 0 to 1");
   }
-  if (!(function.unit_distance >= 0) || !std::isfinite(function.unit_distance)) {
+  if (!(function.unit_distance >= 0 && function.unit_distance <= 1e12)) {
     return Error{"transfer function: the unit distance must be a length, or 0 for one voxel"};
   }
   return {};

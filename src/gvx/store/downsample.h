@@ -48,7 +48,7 @@ Voxel rounded(double mean) {
   if constexpr (std::is_same_v<Voxel, float>) {
     return static_cast<float>(mean);
   } else {
-    return static_cast<Voxel>(mean + 0.5);
+    return static_cast<Voxel>(std::floor(mean + 0.5));
   }
 }
 
@@ -91,7 +91,9 @@ inline Rgba seen_from_all_sides(const std::array<Rgba, 27>& block, int nx, int n
       for (int i = 0; i < size[u]; ++i) {
         Rgba forth{}, back{};
         for (int k = 0; k < size[axis]; ++k) {
-          const Rgba& here = block[static_cast<std::size_t>(i * step[u] + j * step[v] + k * step[axis])];
+          const Rgba& here =
+              block[std::size_t(i) * std::size_t(step[u]) + std::size_t(j) * std::size_t(step[v]) +
+                    std::size_t(k) * std::size_t(step[axis])];
           forth = over(forth, here);
           back = over(here, back);
         }

@@ -210,13 +210,14 @@ TEST(Planes, of_labels_and_colours_are_kept_apart_at_every_level) {
       const std::size_t width = voxel_bytes(info.format.type), texels = plane_texels(8);
       const std::size_t last_full = texels / 2 + 1 * 10 * 10;  // well inside, away from the empty corner
       for (std::uint32_t c = 0; c < info.format.planes; ++c) {
-        const int value = std::to_integer<int>(brick[(c * texels + last_full) * width]);
-        // Colours of a full block stay as opaque as they are; the rest are means.
-        if (tested.format.content == VoxelContent::color ||
-            tested.format.content == VoxelContent::color_normal) {
-          EXPECT_GE(value, c < 4 ? 225 : 100) << tested.name << ' ' << l << ' ' << c;
+        std::uint16_t value = 0;
+        std::memcpy(&value, &brick[(c * texels + last_full) * width], width);
+        // Colours seen through a whole block are a little more, level by level; all else is a mean.
+        const bool more = tested.format.content >= VoxelContent::color && c < 4 && l + 1 < info.shape.levels;
+        if (more) {
+          EXPECT_GE(value, 254 - 10 * int(c)) << tested.name << ' ' << l << ' ' << c;
         } else {
-          EXPECT_EQ(value, 255 - 10 * int(c)) << tested.name << ' ' << l << ' ' << c;
+          EXPECT_NEAR(value, 255 - 10 * int(c), 1) << tested.name << ' ' << l << ' ' << c;
         }
       }
     }

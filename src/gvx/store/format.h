@@ -13,6 +13,7 @@
 
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -33,6 +34,9 @@ inline constexpr std::uint32_t kVersion = 2;
 /// Nodes along an edge of an index page.
 inline constexpr std::uint32_t kPageEdge = 8;
 inline constexpr std::uint32_t kPageNodes = kPageEdge * kPageEdge * kPageEdge;
+
+/// Bins of a channel's histogram.
+inline constexpr std::size_t kHistogramBins = 1024;
 
 /// How bricks are compressed. The numbers are those of the file.
 enum class Codec : std::uint32_t { none = 0, zstd = 1, lz4 = 2 };

@@ -411,6 +411,13 @@ std::uint64_t PyramidBuilder::window_bytes(const TreeShape& shape, VoxelFormat f
     bytes += d.x * d.y * (shape.m + 2 * shape.n) * static_cast<double>(number * format.planes);
     bytes += pages.x * pages.y * kPageNodes * sizeof(NodeRecord);
     bytes += pages.x * pages.y * pages.z * sizeof(PageEntry);
+    const Vec3d nodes(shape.level_nodes(l));
+    bytes += nodes.x * nodes.y * 3 * sizeof(ChannelRanges);
+    // A batch of compressed bricks, which may be as large as they were.
+    if (l + 1 == shape.levels) {
+      bytes +=
+          std::min(nodes.x * nodes.y, double{kBatch}) * static_cast<double>(brick_bytes(format, shape.m));
+    }
   }
   return bytes < 0x1p63 ? static_cast<std::uint64_t>(bytes) : UINT64_MAX / 2;
 }

@@ -47,9 +47,6 @@ class PyramidBuilder {
   /// Checks that every slice has come, and finishes the writer.
   Status finish();
 
-  /// Bins of VolumeInfo::histogram.
-  static constexpr std::size_t kHistogramBins = 1024;
-
  private:
   template <typename Voxel>
   struct Levels;

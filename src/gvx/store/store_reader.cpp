@@ -20,6 +20,9 @@ VoxelFormat format_of(const FileHeader& header) {
           header.planes};
 }
 
+// 2^31-1 along each axis are fewer; sums of a thousand bins stay below 2^64 all the same.
+constexpr std::uint64_t kMostVoxels = 1ull << 53;
+
 /// Can voxels of the type have these values?
 bool is_possible(ValueRange range, VoxelType type) {
   const float greatest = type == VoxelType::u8    ? 255.0f
@@ -156,9 +159,10 @@ Status StoreReader::read_metadata(const FileHeader& header) {
       return wrong();
     info_.ranges.channel[c] = {range[0].get<float>(), range[1].get<float>()};
     if (!is_possible(info_.ranges.channel[c], info_.format.type)) return wrong();
+    if (!channel["histogram"].is_array() || channel["histogram"].size() != kHistogramBins) return wrong();
     auto& bins = info_.histograms.emplace_back();
     for (const auto& bin : channel["histogram"]) {
-      if (!bin.is_number_unsigned()) return wrong();
+      if (!bin.is_number_unsigned() || bin.get<std::uint64_t>() > kMostVoxels) return wrong();
       bins.push_back(bin.get<std::uint64_t>());
     }
   }

@@ -144,7 +144,7 @@ TEST(Store, histogram_counts_every_voxel_in_its_bin) {
   const std::string path = temporary("histogram.gvx");
   ASSERT_TRUE(write_store(volume, path, 2, 8).ok());
   const VolumeInfo info = StoreReader::open(path).value()->info();
-  ASSERT_EQ(info.histograms[0].size(), PyramidBuilder::kHistogramBins);
+  ASSERT_EQ(info.histograms[0].size(), kHistogramBins);
   EXPECT_EQ(std::accumulate(info.histograms[0].begin(), info.histograms[0].end(), std::uint64_t(0)),
             40u * 30 * 20);
   // Of floats the bin is known to 8 bits of mantissa: the count below each bin boundary is right up to that.
