@@ -49,21 +49,24 @@ GVX_HD inline float sample(const Voxel* voxels, Vec3f position) {
 }
 
 /// The gradient per voxel by central differences of half a voxel: continuous, and the same on both sides of a
-/// face.
+/// face. Beyond a face, where the border ends half a voxel behind it, by as much less.
 template <int M, typename Voxel>
 GVX_HD inline Vec3f gradient(const Voxel* voxels, Vec3f position) {
-  // The border is no wider than the half voxel that is needed at a face.
+  constexpr float kLeast = 0.125f;
+  const TexelAxis<M> at[3] = {TexelAxis<M>(position.x), TexelAxis<M>(position.y), TexelAxis<M>(position.z)};
+  Vec3f gradient;
   for (int axis = 0; axis < 3; ++axis) {
     const float p = position[axis];
-    position[axis] = p > 0.0f ? (p < float(M) ? p : float(M)) : 0.0f;
+    float reach = p < 0.0f ? p + 0.5f : p > float(M) ? float(M) + 0.5f - p : 0.5f;
+    reach = reach > kLeast ? reach : kLeast;
+    TexelAxis<M> after[3] = {at[0], at[1], at[2]}, before[3] = {at[0], at[1], at[2]};
+    after[axis] = TexelAxis<M>(p + reach);
+    before[axis] = TexelAxis<M>(p - reach);
+    gradient[axis] = (trilinear<M>(voxels, after[0], after[1], after[2]) -
+                      trilinear<M>(voxels, before[0], before[1], before[2])) /
+                     (2.0f * reach);
   }
-  const TexelAxis<M> x(position.x), y(position.y), z(position.z);
-  return {trilinear<M>(voxels, TexelAxis<M>(position.x + 0.5f), y, z) -
-              trilinear<M>(voxels, TexelAxis<M>(position.x - 0.5f), y, z),
-          trilinear<M>(voxels, x, TexelAxis<M>(position.y + 0.5f), z) -
-              trilinear<M>(voxels, x, TexelAxis<M>(position.y - 0.5f), z),
-          trilinear<M>(voxels, x, y, TexelAxis<M>(position.z + 0.5f)) -
-              trilinear<M>(voxels, x, y, TexelAxis<M>(position.z - 0.5f))};
+  return gradient;
 }
 
 /// The standard deviation of the finest voxels that a position's value stands for, trilinear at half the
