@@ -328,7 +328,8 @@ class RayMarcher {
     s.t_centre = step.t_centre;
     s.t_step = t_step;
     s.fine = path_in(place.slot, place.brick_level, step, place, t_step);
-    s.fine_deviates = place.brick_level < view_.frame.max_level;
+    // Far coarser than wanted, deviations are of more than a step can tell apart: they would show fog.
+    s.fine_deviates = place.brick_level < view_.frame.max_level && place.brick_level == step.level;
     s.blended = place.blended;
     if (s.blended) s.coarse = path_in(place.parent_slot, place.level - 1, step, place, t_step);
     return s;
