@@ -123,6 +123,12 @@ TEST(Sponge, is_shown_from_one_brick_at_any_depth) {
     const render::Picture picture = engine->picture();
     for (std::size_t i = 0; i < picture.rgba.size(); i += 4) lit += picture.rgba[i] > 0.1f ? 1 : 0;
     EXPECT_GT(lit, 500) << distance;
+    // The walls of holes are darker than the outside at every depth.
+    view.lighting.enabled = false;
+    ASSERT_TRUE(engine->look(view).ok());
+    ASSERT_TRUE(engine->render_exact().ok());
+    EXPECT_LT(psnr(picture, engine->picture()), 22) << distance;
+    view.lighting.enabled = true;
   }
 }
 

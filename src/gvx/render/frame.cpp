@@ -81,7 +81,7 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   std::int64_t stride = 1;
   for (int level = placement.max_level; level >= 0; --level, stride *= placement.n) {
     v.stride[level] = stride;
-    v.gradient_scale[level] = static_cast<float>(1 / std::sqrt(static_cast<double>(stride)));
+    v.gradient_scale[level] = static_cast<float>(1 / std::sqrt(std::min(static_cast<double>(stride), 4.0)));
     const double wide_enough = view.detail * max_component(spacing) * static_cast<double>(stride);
     const bool out_of_reach = !view.level_of_detail || v.camera.orthographic;
     v.lod_distance[level] =

@@ -46,7 +46,8 @@ struct FrameView {
   float voxels_per_step = 1;  ///< of the level that is sampled
   Vec3f iso_color;
   /// From a gradient a voxel of a level to one that surfaces are told from noise by. An edge's gradient a
-  /// voxel is the same at every level, a slope's grows with the voxels: this is half way between.
+  /// voxel is the same at every level, a slope's grows with the voxels: this is half way between, for the
+  /// first levels: far up only edges are left.
   float gradient_scale[kMaxLevels] = {};
   float soft_gradient[kMaxChannels] =
       {};  ///< stored units a voxel at which a gradient counts half as a surface
