@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <mutex>
 
 #include "gvx/exec/parallel.h"
@@ -245,18 +244,6 @@ ReferencePicture render_reference(const ReferenceVolume& volume, const render::V
     result.necessary_bricks.merge(necessary);
   });
   return result;
-}
-
-double psnr(const render::Picture& a, const render::Picture& b) {
-  GVX_CHECK(a.width == b.width && a.height == b.height);
-  double sum = 0;
-  for (std::size_t i = 0; i < a.rgba.size(); ++i) {
-    if (i % 4 == 3) continue;
-    const double d = std::clamp(double(a.rgba[i]), 0.0, 1.0) - std::clamp(double(b.rgba[i]), 0.0, 1.0);
-    sum += d * d;
-  }
-  const double mean = sum / (static_cast<double>(a.rgba.size()) * 3 / 4);
-  return mean > 0 ? -10 * std::log10(mean) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace gvx::tests

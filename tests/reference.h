@@ -53,7 +53,4 @@ struct ReferencePicture {
 ReferencePicture render_reference(const ReferenceVolume& volume, const render::View& view,
                                   double samples_per_voxel, std::int64_t m = 16);
 
-/// Peak signal-to-noise ratio of the colours, peak 1; infinite where they are equal.
-double psnr(const render::Picture& a, const render::Picture& b);
-
 }  // namespace gvx::tests

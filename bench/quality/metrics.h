@@ -10,7 +10,7 @@ namespace gvx::bench {
 
 /// Peak signal-to-noise ratio in dB: peak 1, mean square over red, green and blue of all pixels (background
 /// included), values clamped to 0..1 first. 200 where they are equal.
-double psnr(const render::Picture& a, const render::Picture& b);
+double finite_psnr(const render::Picture& a, const render::Picture& b);
 
 /// Structural similarity: Wang, Bovik, Sheikh, Simoncelli, "Image quality assessment", 2004, section III.B:
 /// Gaussian windows of 11x11, sigma 1.5, K1 = 0.01, K2 = 0.03, L = 1, of the luma (0.299, 0.587, 0.114); the

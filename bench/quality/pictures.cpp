@@ -59,7 +59,7 @@ nlohmann::json bench_pictures(const Request& request, std::string& markdown) {
       const Reference reference =
           reference_picture(file, brute_force, named.view, named.reference_rays, request.folders);
       // The mean of two halves is off by half of their difference.
-      const double floor = psnr(reference.half[0], reference.half[1]) + 6.02;
+      const double floor = finite_psnr(reference.half[0], reference.half[1]) + 6.02;
       save(request, file + "-reference", reference.picture);
       nlohmann::json row = {
           {"scene", title}, {"view", named.name}, {"pixels", named.view.height}, {"floor_db", floor}};
@@ -80,7 +80,7 @@ nlohmann::json bench_pictures(const Request& request, std::string& markdown) {
         view.samples_per_voxel = request.samples_per_voxel;
         view.level_of_detail = variant.level_of_detail;
         const EngineRun run = render_exact(*engine, view, true);
-        const double decibels = psnr(run.picture, reference.picture);
+        const double decibels = finite_psnr(run.picture, reference.picture);
         const double similarity = ssim(run.picture, reference.picture);
         line += cell(decibels, similarity, run);
         row[variant.name] = {

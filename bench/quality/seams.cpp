@@ -93,7 +93,7 @@ nlohmann::json bench_seams(const Request& request, std::string& markdown) {
           const std::vector<float> d = differences(pictures[a], pictures[b]);
           const std::vector<float> faces = pick(d, pixels.at_face), rest = pick(d, pixels.elsewhere);
           const RankTest test = rank_test(faces, rest);
-          const double decibels = psnr(pictures[a], pictures[b]), far_out = percentile(d, 0.9999);
+          const double decibels = finite_psnr(pictures[a], pictures[b]), far_out = percentile(d, 0.9999);
           const double at_faces = mean(faces), elsewhere = mean(rest);
           const double ratio = elsewhere > 0 ? at_faces / elsewhere : 1;
           const std::string title = scene_title(scene),

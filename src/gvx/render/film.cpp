@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gvx::render {
 namespace {
@@ -28,6 +29,18 @@ std::vector<float> Picture::to_linear_premultiplied() const {
     linear[i + 3] = rgba[i + 3];
   }
   return linear;
+}
+
+double psnr(const Picture& a, const Picture& b) {
+  GVX_CHECK(a.width == b.width && a.height == b.height);
+  double sum = 0;
+  for (std::size_t i = 0; i < a.rgba.size(); ++i) {
+    if (i % 4 == 3) continue;
+    const double d = std::clamp(double(a.rgba[i]), 0.0, 1.0) - std::clamp(double(b.rgba[i]), 0.0, 1.0);
+    sum += d * d;
+  }
+  const double mean = sum / (static_cast<double>(a.rgba.size()) * 3 / 4);
+  return mean > 0 ? -10 * std::log10(mean) : std::numeric_limits<double>::infinity();
 }
 
 Film::Film(const exec::Device& device, std::uint32_t width, std::uint32_t height)

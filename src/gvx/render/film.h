@@ -24,6 +24,10 @@ struct Picture {
   std::vector<float> to_linear_premultiplied() const;
 };
 
+/// Peak signal-to-noise ratio of the colours, held to 0 to 1, peak 1, in decibels; infinite where they are
+/// equal. For pictures of one size.
+double psnr(const Picture& a, const Picture& b);
+
 /// What the pixels of a film add up to.
 struct FilmTotals {
   std::uint64_t samples = 0;     ///< taken by exact rays
