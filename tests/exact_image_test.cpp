@@ -82,6 +82,28 @@ TEST(Exact, brick_size_and_arity_leave_no_trace) {
   }
 }
 
+TEST(Exact, brick_size_leaves_no_trace_in_noise_lit_and_far) {
+  // Noise is steep at every face: a gradient or a deviation that a brick's border cuts short would show.
+  const auto noise = [](Vec3d p) {
+    const double waves =
+        std::sin(417 * p.x + 311 * p.y) * std::sin(529 * p.z) * std::sin(283 * p.y + 71 * p.x);
+    return 0.5 + 0.5 * waves;
+  };
+  TestScene scene = analytic_scene("noise8", noise, {75, 66, 57}, {1, 1, 1}, 2, 8);
+  scene.view.functions[0].opacities = {{0.5, 0}, {0.6, 0.7}};  // and a steep function lights where it is seen
+  const scene::Camera near = scene.view.camera;
+  for (const double away : {1.0, 4.0}) {
+    scene.view.camera.eye = near.target + away * (near.eye - near.target);
+    std::vector<render::Picture> pictures;
+    for (const std::uint32_t m : {8u, 16u, 32u}) {
+      scene.store_path = analytic_scene("noise", noise, {75, 66, 57}, {1, 1, 1}, 2, m).store_path;
+      pictures.push_back(render_exact(scene));
+    }
+    EXPECT_GE(psnr(pictures[0], pictures[1]), 120) << away;
+    EXPECT_GE(psnr(pictures[0], pictures[2]), 120) << away;
+  }
+}
+
 /// Pools from comfortable down to two bricks.
 std::vector<engine::EngineOptions> pools() {
   std::vector<engine::EngineOptions> options = {{1ull << 30, {}}, {32ull << 20, {}}};

@@ -294,6 +294,7 @@ TEST_F(Program, bad_scenes_are_one_line_that_names_the_field) {
   expect_error("render ball.gvx -o a.png --ambient nan", "lighting.ambient");
   expect_error("render ball.gvx -o a.png --gradient-opacity 1,2,3", "--gradient-opacity");
   expect_error("render ball.gvx -o a.png --gradient-opacity 0,2", "gradient point 1");
+  expect_error("render ball.gvx -o a.png --mode maximum --gradient-opacity 0,1", "only mode composite");
   expect_error("render ball.gvx -o a.png --key-frame eye=1,2,3", "--key-frame");
   expect_error("render ball.gvx -o a.png --frames 5-2", "--frames");
   expect_error("render ball.gvx -o a.png --frames 0", "--frames");

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "gvx/core/result.h"
@@ -39,8 +40,8 @@ class RawFlags {
 
  private:
   std::string dims_, dtype_, endian_, spacing_;
-  std::int64_t offset_ = 0;
-  int components_ = 1;
+  std::optional<std::int64_t> offset_;
+  std::optional<int> components_;
 };
 
 }  // namespace gvx::app

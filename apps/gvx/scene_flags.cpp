@@ -143,9 +143,9 @@ Status SceneFlags::apply_raw(scene::RawParts& raw) const {
   if (given.dimensions) raw.dimensions = given.dimensions;
   if (given.type) raw.type = io::sample_name(*given.type);
   if (given.big_endian) raw.big_endian = given.big_endian;
-  if (given.offset != io::RawOptions{}.offset) raw.offset = given.offset;
+  if (given.offset) raw.offset = given.offset;
   if (given.spacing) raw.spacing = given.spacing;
-  if (given.components != io::RawOptions{}.components) raw.components = given.components;
+  if (given.components) raw.components = given.components;
   return {};
 }
 

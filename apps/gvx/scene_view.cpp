@@ -48,6 +48,9 @@ Result<std::vector<scene::FunctionParts>> complete_functions(const scene::SceneF
     return functions;
   }
   const bool projection = *scene.mode != scene::Mode::composite && *scene.mode != scene::Mode::isosurface;
+  if (!gradients.empty() && *scene.mode != scene::Mode::composite) {
+    return Error{"--gradient-opacity: only mode composite has opacities"};
+  }
   if (functions.empty()) functions.push_back({.from = projection ? "ramp" : opened.preset});
   functions.resize(channels, functions.back());
   if (!gradients.empty()) {
@@ -87,9 +90,9 @@ io::RawOptions raw_options(const scene::RawParts& raw) {
   options.dimensions = raw.dimensions;
   if (raw.type) options.type = io::parse_sample_type(*raw.type);
   options.big_endian = raw.big_endian;
-  options.offset = raw.offset.value_or(options.offset);
+  options.offset = raw.offset;
   options.spacing = raw.spacing;
-  options.components = raw.components.value_or(options.components);
+  options.components = raw.components;
   return options;
 }
 

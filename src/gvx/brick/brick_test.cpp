@@ -62,17 +62,17 @@ TYPED_TEST(Sample, stays_inside_the_brick_whatever_the_position) {
   }
 }
 
-TEST(SampleOfOnePlane, deviations_are_unit_times_code_squared_and_continuous) {
+TEST(SampleOfOnePlane, deviations_are_units_times_what_codes_mean_and_continuous) {
   std::vector<std::uint8_t> bytes(deviation_bytes(8));
   const float unit = 0.5f;
   std::memcpy(bytes.data(), &unit, sizeof(unit));
-  for (std::size_t i = sizeof(unit); i < bytes.size(); ++i) bytes[i] = i % 6 < 3 ? 10 : 20;
+  for (std::size_t i = sizeof(unit); i < bytes.size(); ++i) bytes[i] = i % 6 < 3 ? 10 : 0x45;
   EXPECT_EQ(deviation<8>(bytes.data(), {1, 1, 1}),
-            0.5f * (bytes[4 + 1 + 6 * (1 + 6)] == 10 ? 100.0f : 400.0f));
+            0.5f * (bytes[4 + 1 + 6 * (1 + 6)] == 10 ? 26.0f / 16 : 21.0f));
   float before = deviation<8>(bytes.data(), {0, 3, 3});
   for (float x = 0; x <= 8; x += 0.01f) {
     const float now = deviation<8>(bytes.data(), {x, 3, 3});
-    ASSERT_NEAR(now, before, 2);
+    ASSERT_NEAR(now, before, 0.1);
     before = now;
   }
   std::fill(bytes.begin(), bytes.end(), std::uint8_t(0));

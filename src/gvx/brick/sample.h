@@ -48,23 +48,18 @@ GVX_HD inline float sample(const Voxel* voxels, Vec3f position) {
   return trilinear<M>(voxels, TexelAxis<M>(position.x), TexelAxis<M>(position.y), TexelAxis<M>(position.z));
 }
 
-/// The gradient per voxel by central differences of half a voxel: continuous, and the same on both sides of a
-/// face. Beyond a face, where the border ends half a voxel behind it, by as much less.
+/// The gradient per voxel by central differences of half a voxel, at a position from 0 to M: continuous, and
+/// the same on both sides of a face.
 template <int M, typename Voxel>
 GVX_HD inline Vec3f gradient(const Voxel* voxels, Vec3f position) {
-  constexpr float kLeast = 0.125f;
   const TexelAxis<M> at[3] = {TexelAxis<M>(position.x), TexelAxis<M>(position.y), TexelAxis<M>(position.z)};
   Vec3f gradient;
   for (int axis = 0; axis < 3; ++axis) {
-    const float p = position[axis];
-    float reach = p < 0.0f ? p + 0.5f : p > float(M) ? float(M) + 0.5f - p : 0.5f;
-    reach = reach > kLeast ? reach : kLeast;
     TexelAxis<M> after[3] = {at[0], at[1], at[2]}, before[3] = {at[0], at[1], at[2]};
-    after[axis] = TexelAxis<M>(p + reach);
-    before[axis] = TexelAxis<M>(p - reach);
-    gradient[axis] = (trilinear<M>(voxels, after[0], after[1], after[2]) -
-                      trilinear<M>(voxels, before[0], before[1], before[2])) /
-                     (2.0f * reach);
+    after[axis] = TexelAxis<M>(position[axis] + 0.5f);
+    before[axis] = TexelAxis<M>(position[axis] - 0.5f);
+    gradient[axis] = trilinear<M>(voxels, after[0], after[1], after[2]) -
+                     trilinear<M>(voxels, before[0], before[1], before[2]);
   }
   return gradient;
 }
@@ -79,8 +74,8 @@ GVX_HD inline float deviation(const std::uint8_t* deviations, Vec3f position) {
   const TexelAxis<kHalf> x(0.5f * position.x), y(0.5f * position.y), z(0.5f * position.z);
   const std::uint8_t* codes = deviations + sizeof(float) + BrickLayout<kHalf>::offset(x.low, y.low, z.low);
   const auto along_x = [&](int offset) {
-    const float a = codes[offset], b = codes[offset + 1];
-    return a * a + x.weight * (b * b - a * a);
+    const float a = deviation_of_code(codes[offset]), b = deviation_of_code(codes[offset + 1]);
+    return a + x.weight * (b - a);
   };
   const float c00 = along_x(0), c10 = along_x(kRow), c01 = along_x(kSlice), c11 = along_x(kSlice + kRow);
   const float c0 = c00 + y.weight * (c10 - c00), c1 = c01 + y.weight * (c11 - c01);

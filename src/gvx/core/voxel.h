@@ -10,7 +10,10 @@
 /// *Deviations* (of scalars only) say how far the finest voxels below a coarse one are from their mean: the
 /// standard deviation, at half the resolution, with a border of one. They are 0 in the finest bricks.
 ///
-///     float unit | (m/2+2)^3 bytes c, x fastest; the deviation is unit * c^2
+///     float unit | (m/2+2)^3 bytes c, x fastest; the deviation is unit * deviation_of_code(c)
+///
+/// Codes are small floating-point numbers and units powers of two, so that two bricks round a deviation to
+/// the same number whatever else they hold: no seam shows between them.
 #pragma once
 
 #include <cstddef>
@@ -104,6 +107,11 @@ inline const char* content_name(VoxelContent content) {
 GVX_HD constexpr std::size_t plane_texels(std::size_t m) {
   return (m + 2) * (m + 2) * (m + 2);
 }
+/// What a code means, in units: 0, or four bits of exponent and four of mantissa.
+GVX_HD constexpr float deviation_of_code(std::uint32_t code) {
+  return code == 0 ? 0.0f : static_cast<float>((16 + (code & 15)) << (code >> 4)) * (1.0f / 16);
+}
+
 /// Bytes of the deviations of one plane.
 GVX_HD constexpr std::size_t deviation_bytes(std::size_t m) {
   return sizeof(float) + (m / 2 + 2) * (m / 2 + 2) * (m / 2 + 2);

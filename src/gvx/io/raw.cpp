@@ -72,14 +72,15 @@ Result<VolumeFile> describe_raw(const std::string& path, const RawOptions& given
     return file_error(path, std::string("type: expected ") + kSampleTypeNames +
                                 " to be given, or in the name as in engine_256x256x128_uint8.raw");
   }
-  if (options.offset < 0) {
-    return file_error(path, "offset: expected 0 or more bytes, found " + std::to_string(options.offset));
+  const std::int64_t offset = options.offset.value_or(0);
+  if (offset < 0) {
+    return file_error(path, "offset: expected 0 or more bytes, found " + std::to_string(offset));
   }
   VolumeFile file;
   file.description.path = path;
   file.description.dimensions = *options.dimensions;
   file.description.type = *options.type;
-  file.description.components = options.components;
+  file.description.components = options.components.value_or(1);
   file.description.big_endian = options.big_endian.value_or(false);
   if (options.spacing) {
     GVX_TRY(check_spacing(path, *options.spacing));
@@ -89,8 +90,8 @@ Result<VolumeFile> describe_raw(const std::string& path, const RawOptions& given
   const std::string name = lower_case(path);
   if (name.ends_with(".gz")) file.encoding = Encoding::gzip;
   if (name.ends_with(".bz2")) file.encoding = Encoding::bzip2;
-  file.byte_skip = options.offset;
-  file.exact_size = options.offset == 0;
+  file.byte_skip = offset;
+  file.exact_size = !options.offset;
   return file;
 }
 

@@ -16,10 +16,10 @@ namespace gvx::io {
 struct RawOptions {
   std::optional<Vec3i> dimensions = {};  ///< Voxels along x, y and z.
   std::optional<SampleType> type = {};
-  std::optional<bool> big_endian = {};  ///< Little-endian where neither this nor the name tells.
-  std::int64_t offset = 0;              ///< Bytes (decoded ones, if packed) before the first sample.
-  std::optional<Vec3d> spacing = {};    ///< Size of a voxel along x, y and z; (1, 1, 1) if not given.
-  int components = 1;                   ///< Samples a voxel, side by side.
+  std::optional<bool> big_endian = {};      ///< Little-endian where neither this nor the name tells.
+  std::optional<std::int64_t> offset = {};  ///< Bytes (decoded ones, if packed) before the first sample.
+  std::optional<Vec3d> spacing = {};        ///< Size of a voxel along x, y and z; (1, 1, 1) if not given.
+  std::optional<int> components = {};       ///< Samples a voxel, side by side; 1 if not given.
 };
 
 /// Takes what `options` lack from names such as "engine_256x256x128_uint8.raw" or

@@ -93,7 +93,7 @@ Result<VolumeFile> describe(const std::string& path, const RawOptions& raw) {
         "name: expected .nrrd, .nhdr, .nii, .nii.gz, .hdr, .img, .mha, .mhd, .raw, .bin or .dat, or "
         "dimensions for raw samples");
   }
-  if (raw.dimensions || raw.type || raw.big_endian || raw.offset != 0 || raw.components != 1) {
+  if (raw.dimensions || raw.type || raw.big_endian || raw.offset || raw.components) {
     return file_error(
         path, "describes itself: dimensions, type, components, byte order and offset are for raw files only");
   }

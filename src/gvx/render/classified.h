@@ -89,6 +89,7 @@ GVX_HD inline ColorSample sample_color(const brick::BrickView<std::uint8_t, M>& 
 template <bool kNormals, int M>
 GVX_HD void composite_colors(const RayView& ray, const Stretch<std::uint8_t, M>& s, RayState& state) {
   constexpr float kMostOpacity = 0.9999f;
+  constexpr float kSurfaceSlope = 16;  // an opacity, of 255, that changes by this a voxel is a surface
   const FrameView& frame = ray.frame;
   const auto extinction_of = [](float opacity) { return -std::log(1 - std::fmin(opacity, kMostOpacity)); };
   for (std::int64_t step = 0; step < s.steps; ++step) {
@@ -111,7 +112,7 @@ GVX_HD void composite_colors(const RayView& ray, const Stretch<std::uint8_t, M>&
     if (frame.lighting.lighting.enabled) {
       gradient = kNormals ? mixed.normal : brick::gradient<M>(s.fine.brick.plane(3), s.fine.at(i));
     }
-    const float steep = kNormals ? length(mixed.normal) / mixed.opacity : length(gradient) / 16;
+    const float steep = kNormals ? length(mixed.normal) / mixed.opacity : length(gradient) / kSurfaceSlope;
     const float certainty = steep < 1.0f ? steep : 1.0f;
     const scene::Shade<float> shade = ray.shade(gradient, certainty, s.t_at(i));
     add(state, (1 / mixed.opacity) * mixed.color * shade.body + shade.glint,

@@ -61,15 +61,16 @@ GVX_HD inline float share_of_what_is_seen(const scene::Visibility& visibility, c
 /// be: then the frame says how many there are.
 template <std::uint32_t kChannels>
 struct Span {
+  float centre;      ///< of its step
   float begin, end;  ///< in steps
   EntryPath path[kChannels];
   scene::Matter matter[kChannels];
   float extinction = 0;
   float longest = 0;  ///< entries of a function that a channel goes through
 
-  GVX_HD Span(const scene::Visibility& visibility, std::uint32_t channels, float begin_, float end_,
-              const ScalarSample* front, const ScalarSample* back)
-      : begin(begin_), end(end_) {
+  GVX_HD Span(const scene::Visibility& visibility, std::uint32_t channels, float centre_, float begin_,
+              float end_, const ScalarSample* front, const ScalarSample* back)
+      : centre(centre_), begin(begin_), end(end_) {
     for (std::uint32_t c = 0; c < channels; ++c) {
       const scene::TransferView& function = visibility.functions[c];
       const float deviation = 0.5f * (front[c].deviation + back[c].deviation) * function.to_entry_scale;
@@ -100,7 +101,7 @@ GVX_HD void composite_span(const RayView& ray, const Stretch<Voxel, M>& s, const
     // Lit where it is seen: a surface may begin near the back end.
     const float share =
         parts > 1 ? share_of_what_is_seen(visibility, span.path, channels, parts, units) : 0.5f;
-    const float i = span.begin + share * (span.end - span.begin);
+    const float i = s.held_in_voxel(span.centre, span.begin + share * (span.end - span.begin));
     const float blend = s.blend_at(frame, i);
     for (std::uint32_t c = 0; c < channels; ++c) {
       if (!(span.matter[c].extinction > 0.0f)) continue;
@@ -147,9 +148,10 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
   ScalarSample front[kChannels], back[kChannels];
   sample_all(-0.5f, front);
   for (std::int64_t step = 0; step < s.steps && state.phase == RayPhase::under_way; ++step) {
-    const float begin = static_cast<float>(step) - 0.5f, end = begin + 1;
+    const auto centre = static_cast<float>(step);
+    const float begin = centre - 0.5f, end = centre + 0.5f;
     sample_all(end, back);
-    const Span<kChannels> whole(visibility, channels, begin, end, front, back);
+    const Span<kChannels> whole(visibility, channels, centre, begin, end, front, back);
     // Where the values change fast they do not change evenly.
     const float opaque = std::fmin(whole.extinction * units, 1.0f);
     const int cuts = static_cast<int>(std::fmin(1 + opaque * whole.longest / kWidePath, float(kMostCuts)));
@@ -161,7 +163,7 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
         ScalarSample next[kChannels];
         const float to = begin + static_cast<float>(cut) * share;
         sample_all(to, next);
-        const Span<kChannels> span(visibility, channels, to - share, to, front, next);
+        const Span<kChannels> span(visibility, channels, centre, to - share, to, front, next);
         if (span.extinction > 0.0f) {
           composite_span(ray, s, span, channels, by_gradient, units * share, state);
         }

@@ -338,22 +338,17 @@ class RayMarcher {
   GVX_HD void gather(RayState& state, const Stretch<Voxel, M>& s) const {
     const FrameView& frame = view_.frame;
     const RayView ray = ray_view();
-    switch (frame.format.content) {
-      case VoxelContent::scalar:
-        if (projects()) return project_stretch(ray, s, state);
-        if (frame.visibility.mode == scene::Mode::isosurface) return find_surface(ray, s, state);
-        if (frame.visibility.channels == 1) return composite_scalars<1>(ray, s, state);
-        return composite_scalars<kMaxChannels>(ray, s, state);
-      case VoxelContent::labels:
-        if constexpr (!std::is_same_v<Voxel, float>) composite_labels(ray, s, state);
-        return;
-      case VoxelContent::color:
-        if constexpr (std::is_same_v<Voxel, std::uint8_t>) composite_colors<false>(ray, s, state);
-        return;
-      case VoxelContent::color_normal:
-        if constexpr (std::is_same_v<Voxel, std::uint8_t>) composite_colors<true>(ray, s, state);
-        return;
+    if constexpr (std::is_same_v<Voxel, std::uint8_t>) {
+      if (frame.format.content == VoxelContent::color) return composite_colors<false>(ray, s, state);
+      if (frame.format.content == VoxelContent::color_normal) return composite_colors<true>(ray, s, state);
     }
+    if constexpr (!std::is_same_v<Voxel, float>) {
+      if (frame.format.content == VoxelContent::labels) return composite_labels(ray, s, state);
+    }
+    if (projects()) return project_stretch(ray, s, state);
+    if (frame.visibility.mode == scene::Mode::isosurface) return find_surface(ray, s, state);
+    if (frame.visibility.channels == 1) return composite_scalars<1>(ray, s, state);
+    composite_scalars<kMaxChannels>(ray, s, state);
   }
 
   const PassView<Voxel, N, M>& view_;

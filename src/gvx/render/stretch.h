@@ -58,6 +58,20 @@ struct Stretch {
     const float fine_scale = frame.gradient_scale[level];
     return blended ? fine_scale + blend * (frame.gradient_scale[level - 1] - fine_scale) : fine_scale;
   }
+  /// Place i of the step with this centre, or the last on the way there that is in the centre's voxel: so it
+  /// is in the node, where the border leaves room for a gradient, and faces of nodes are like any voxel's.
+  GVX_HD float held_in_voxel(float centre, float i) const {
+    const Vec3f from = fine.at(centre);
+    const Vec3f way = (i - centre) * fine.per_step;
+    float share = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (way[axis] == 0) continue;
+      const float low = std::floor(from[axis]);
+      const float to_face = way[axis] > 0 ? low + 1 - from[axis] : low - from[axis];
+      share = std::fmin(share, to_face / way[axis]);
+    }
+    return centre + share * (i - centre);
+  }
   GVX_HD double t_at(float i) const { return t_centre + static_cast<double>(i) * t_step; }
   GVX_HD float blend_at(const FrameView& frame, float i) const {
     return blended ? frame.blend_at(level, t_at(i)) : 0.0f;
@@ -70,35 +84,38 @@ struct ScalarSample {
   float deviation = 0;
 };
 
+/// What `of` gives for the fine brick, blended with what it gives for the coarse one.
+template <typename Voxel, int M, typename Of>
+GVX_HD inline auto blended(const Stretch<Voxel, M>& s, float blend, const Of& of) {
+  const auto fine = of(s.fine);
+  if (!(blend > 0.0f)) return fine;
+  return fine + blend * (of(s.coarse) - fine);
+}
+
 template <typename Voxel, int M>
 GVX_HD inline float value_at(const Stretch<Voxel, M>& s, std::uint32_t channel, float i, float blend) {
-  const float fine = brick::sample<M>(s.fine.brick.plane(channel), s.fine.at(i));
-  if (!(blend > 0.0f)) return fine;
-  const float coarse = brick::sample<M>(s.coarse.brick.plane(channel), s.coarse.at(i));
-  return fine + blend * (coarse - fine);
+  return blended(s, blend, [&](const BrickPath<Voxel, M>& path) {
+    return brick::sample<M>(path.brick.plane(channel), path.at(i));
+  });
 }
 
 template <typename Voxel, int M>
 GVX_HD inline ScalarSample sample_at(const Stretch<Voxel, M>& s, std::uint32_t channel, float i,
                                      float blend) {
-  ScalarSample sample{value_at(s, channel, i, blend), 0};
-  if (s.fine_deviates) {
-    sample.deviation = brick::deviation<M>(s.fine.brick.deviations(channel), s.fine.at(i));
-  }
-  if (blend > 0.0f) {
-    const float coarse = brick::deviation<M>(s.coarse.brick.deviations(channel), s.coarse.at(i));
-    sample.deviation += blend * (coarse - sample.deviation);
-  }
-  return sample;
+  const float deviation = blended(s, blend, [&](const BrickPath<Voxel, M>& path) {
+    if (&path == &s.fine && !s.fine_deviates) return 0.0f;
+    return brick::deviation<M>(path.brick.deviations(channel), path.at(i));
+  });
+  return {value_at(s, channel, i, blend), deviation};
 }
 
-/// The gradient in stored values a voxel, fine and coarse blended.
+/// The gradient in stored values a voxel, fine and coarse blended. It is central differences of half a voxel,
+/// so `i` must lie in the node: see held_in_voxel.
 template <typename Voxel, int M>
 GVX_HD inline Vec3f gradient_at(const Stretch<Voxel, M>& s, std::uint32_t channel, float i, float blend) {
-  const Vec3f fine = brick::gradient<M>(s.fine.brick.plane(channel), s.fine.at(i));
-  if (!(blend > 0.0f)) return fine;
-  const Vec3f coarse = brick::gradient<M>(s.coarse.brick.plane(channel), s.coarse.at(i));
-  return fine + blend * (coarse - fine);
+  return blended(s, blend, [&](const BrickPath<Voxel, M>& path) {
+    return brick::gradient<M>(path.brick.plane(channel), path.at(i));
+  });
 }
 
 /// A ray stops when no more than this is left to see: a quarter of a step of 8 bits.

@@ -1,6 +1,6 @@
 /// \file
-/// One voxel of a level out of the n^3 below it: means and variances of scalars, the most frequent label, and
-/// colours that stay as opaque as what they stand for.
+/// One voxel of a level out of the n^3 below it: means and variances of scalars and their codes, the most
+/// frequent label, and colours that stay as opaque as what they stand for.
 #pragma once
 
 #include <algorithm>
@@ -50,6 +50,24 @@ Voxel rounded(double mean) {
   } else {
     return static_cast<Voxel>(std::floor(mean + 0.5));
   }
+}
+
+/// The unit for deviations up to `greatest`: it has the code's last exponent but one, so that rounding up
+/// fits.
+inline float deviation_unit(float greatest) {
+  if (!(greatest > 0)) return 0;
+  int exponent = 0;
+  std::frexp(greatest, &exponent);
+  return std::ldexp(1.0f, exponent - 15);
+}
+
+/// The code (core/voxel.h) nearest to a deviation of up to 2^15 units.
+inline std::uint8_t deviation_code(float deviation, float unit) {
+  if (!(unit > 0) || !(deviation >= 0.5f * unit)) return 0;
+  int exponent = 0;
+  const float mantissa = 2 * std::frexp(deviation / unit, &exponent);  // 1 to 2
+  const int code = 16 * (exponent - 1) + static_cast<int>(std::lround(16 * (mantissa - 1)));
+  return static_cast<std::uint8_t>(std::clamp(code, 1, 255));
 }
 
 /// The label that most of the first `count` have; of equally many the greatest, so that thin things outlive

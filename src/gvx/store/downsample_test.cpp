@@ -108,10 +108,11 @@ void expect_deviations(std::uint32_t n, std::uint32_t m, Vec3i dimensions, doubl
       for (std::int64_t y = -1; y <= half; ++y) {
         for (std::int64_t x = -1; x <= half; ++x, ++i) {
           if (scale == 1) continue;
-          const double code = std::to_integer<int>(deviations[i]);
+          const double found =
+              double(unit) * deviation_of_code(std::to_integer<std::uint32_t>(deviations[i]));
           const double expected = deviation_below(volume, scale, {x, y, z});
-          // Codes are of square roots: half a code at code c is c units.
-          ASSERT_NEAR(double(unit) * code * code, expected, double(unit) * (code + 1) + tolerance)
+          // A mantissa of four bits: a thirty-second.
+          ASSERT_NEAR(found, expected, expected / 32 + double(unit) + tolerance)
               << l << ": " << x << ' ' << y << ' ' << z;
         }
       }

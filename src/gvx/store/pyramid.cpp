@@ -273,11 +273,10 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
         }
       }
     }
-    const float unit = greatest / (255.0f * 255.0f);
+    const float unit = deviation_unit(greatest);
     std::memcpy(out, &unit, sizeof(unit));
     for (std::size_t c = 0; c < i; ++c) {
-      const float code = unit > 0 ? std::sqrt(deviations[c] / unit) : 0;
-      out[sizeof(unit) + c] = static_cast<std::byte>(std::min(255.0f, code + 0.5f));
+      out[sizeof(unit) + c] = static_cast<std::byte>(deviation_code(deviations[c], unit));
     }
   }
 

@@ -1,6 +1,8 @@
 #include "gvx/store/verify.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <mutex>
 #include <vector>
 
@@ -9,6 +11,18 @@
 
 namespace gvx::store {
 namespace {
+
+/// Are the units of a brick's deviations numbers?
+bool sound_deviations(const VoxelFormat& format, std::size_t m, const std::vector<std::byte>& brick) {
+  if (!format.has_deviations()) return true;
+  const std::byte* deviations = brick.data() + format.planes * plane_texels(m) * voxel_bytes(format.type);
+  for (std::uint32_t plane = 0; plane < format.planes; ++plane, deviations += deviation_bytes(m)) {
+    float unit = 0;
+    std::memcpy(&unit, deviations, sizeof(unit));
+    if (!(unit >= 0) || std::isinf(unit)) return false;
+  }
+  return true;
+}
 
 /// Reads the node's brick and says whether each voxel lies in the record's range.
 Status check_node(const StoreReader& reader, const NodeKey& key, std::vector<std::byte>& voxels,
@@ -47,8 +61,12 @@ Status check_node(const StoreReader& reader, const NodeKey& key, std::vector<std
     }
     return inside;
   });
-  if (!sound)
+  if (!sound) {
     return Error{reader.path() + ": corrupt: a voxel of " + node_name(key) + " is outside its range"};
+  }
+  if (!sound_deviations(format, reader.info().shape.m, voxels)) {
+    return Error{reader.path() + ": corrupt: the deviations of " + node_name(key) + " have no finite unit"};
+  }
   return {};
 }
 
