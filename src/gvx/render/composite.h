@@ -15,18 +15,60 @@
 
 namespace gvx::render {
 
-/// An interval of a transfer function's entries along a step.
+/// A channel at a place of a ray: its value, and the transfer function's integrals there.
+struct Classified {
+  scene::TransferView::Reading reading;
+  float deviation = 0;  ///< in entries
+
+  GVX_HD Classified() = default;
+  GVX_HD Classified(const scene::TransferView& function, ScalarSample sample)
+      : reading(function.read(function.entry_of(sample.value))),
+        deviation(sample.deviation * function.to_entry_scale) {}
+};
+
+/// The entries of a transfer function that a channel goes through between two places.
 struct EntryPath {
-  float front = 0, back = 0;
+  scene::TransferView::Reading front, back;
   float variance3 = 0;  ///< three times the variance around it
 
-  /// The mean matter of part `part` of `parts`.
-  GVX_HD scene::Matter mean(const scene::TransferView& function, int part, int parts) const {
-    const float length = (back - front) / static_cast<float>(parts);
-    const float centre = front + (static_cast<float>(part) + 0.5f) * length;
-    const float half =
-        variance3 > 0.0f ? std::sqrt(variance3 + 0.25f * length * length) : 0.5f * std::fabs(length);
-    return function.mean(centre - half, centre + half);
+  GVX_HD EntryPath() = default;
+  GVX_HD EntryPath(const Classified& a, const Classified& b) : front(a.reading), back(b.reading) {
+    const float deviation = 0.5f * (a.deviation + b.deviation);
+    variance3 = 3 * deviation * deviation;
+  }
+
+  GVX_HD float length() const { return std::fabs(back.entry - front.entry); }
+
+  /// The mean matter of all of it.
+  GVX_HD scene::Matter mean(const scene::TransferView& function) const {
+    if (!(variance3 > 0.0f)) {
+      return function.invisible(front.entry, back.entry) ? scene::Matter{} : function.mean(front, back);
+    }
+    return spread_mean(function, front.entry, back.entry);
+  }
+
+  /// The mean matter of each of `parts` equal parts.
+  GVX_HD void means(const scene::TransferView& function, int parts, scene::Matter* out) const {
+    const float length = (back.entry - front.entry) / static_cast<float>(parts);
+    scene::TransferView::Reading low = front;
+    for (int part = 0; part < parts; ++part) {
+      const float to = front.entry + static_cast<float>(part + 1) * length;
+      if (variance3 > 0.0f) {
+        out[part] = spread_mean(function, to - length, to);
+        continue;
+      }
+      const scene::TransferView::Reading high = part + 1 < parts ? function.read(to) : back;
+      out[part] = function.mean(low, high);
+      low = high;
+    }
+  }
+
+ private:
+  GVX_HD scene::Matter spread_mean(const scene::TransferView& function, float from, float to) const {
+    const float centre = 0.5f * (from + to);
+    const float half = std::sqrt(variance3 + 0.25f * (to - from) * (to - from));
+    if (function.invisible(centre - half, centre + half)) return {};
+    return function.mean(function.read(centre - half), function.read(centre + half));
   }
 };
 
@@ -40,23 +82,6 @@ inline constexpr float kNarrowPath = 8.0f;
 inline constexpr float kThinDepth = 0.25f;
 inline constexpr int kMostParts = 8;
 
-/// At which share of a span its parts are seen in the mean.
-GVX_HD inline float share_of_what_is_seen(const scene::Visibility& visibility, const EntryPath* path,
-                                          std::uint32_t channels, int parts, float units) {
-  const float share = 1 / static_cast<float>(parts);
-  float left = 1, moment = 0;
-  for (int part = 0; part < parts; ++part) {
-    float extinction = 0;
-    for (std::uint32_t c = 0; c < channels; ++c) {
-      extinction += path[c].mean(visibility.functions[c], part, parts).extinction;
-    }
-    const float opacity = opacity_of(extinction * units * share);
-    moment += left * opacity * (static_cast<float>(part) + 0.5f) * share;
-    left *= 1 - opacity;
-  }
-  return left < 1.0f ? moment / (1 - left) : 0.5f;
-}
-
 /// A part of a step, or all of it, between two samples of each channel. kChannels is 1, or the most there can
 /// be: then the frame says how many there are.
 template <std::uint32_t kChannels>
@@ -69,17 +94,47 @@ struct Span {
   float longest = 0;  ///< entries of a function that a channel goes through
 
   GVX_HD Span(const scene::Visibility& visibility, std::uint32_t channels, float centre_, float begin_,
-              float end_, const ScalarSample* front, const ScalarSample* back)
+              float end_, const Classified* front, const Classified* back)
       : centre(centre_), begin(begin_), end(end_) {
     for (std::uint32_t c = 0; c < channels; ++c) {
-      const scene::TransferView& function = visibility.functions[c];
-      const float deviation = 0.5f * (front[c].deviation + back[c].deviation) * function.to_entry_scale;
-      path[c] = {function.entry_of(front[c].value), function.entry_of(back[c].value),
-                 3 * deviation * deviation};
-      matter[c] = path[c].mean(function, 0, 1);
+      path[c] = EntryPath(front[c], back[c]);
+      matter[c] = path[c].mean(visibility.functions[c]);
       extinction += matter[c].extinction;
-      longest = std::fmax(longest, std::fabs(path[c].back - path[c].front));
+      longest = std::fmax(longest, path[c].length());
     }
+  }
+};
+
+/// A span's matter, front to back, and where in it what is seen is in the mean.
+template <std::uint32_t kChannels>
+struct SpanParts {
+  int count = 1;
+  scene::Matter matter[kChannels][kMostParts];
+  float seen_at = 0.5f;  ///< a share of the span
+
+  GVX_HD SpanParts(const scene::Visibility& visibility, const Span<kChannels>& span, std::uint32_t channels,
+                   float units) {
+    if (span.longest > kNarrowPath) {
+      count = static_cast<int>(std::fmin(1 + span.extinction * units / kThinDepth, float(kMostParts)));
+    }
+    for (std::uint32_t c = 0; c < channels; ++c) {
+      if (count == 1) {
+        matter[c][0] = span.matter[c];
+      } else {
+        span.path[c].means(visibility.functions[c], count, matter[c]);
+      }
+    }
+    if (count == 1) return;
+    const float share = 1 / static_cast<float>(count);
+    float left = 1, moment = 0;
+    for (int part = 0; part < count; ++part) {
+      float extinction = 0;
+      for (std::uint32_t c = 0; c < channels; ++c) extinction += matter[c][part].extinction;
+      const float opacity = opacity_of(extinction * units * share);
+      moment += left * opacity * (static_cast<float>(part) + 0.5f) * share;
+      left *= 1 - opacity;
+    }
+    if (left < 1.0f) seen_at = moment / (1 - left);
   }
 };
 
@@ -89,19 +144,14 @@ GVX_HD void composite_span(const RayView& ray, const Stretch<Voxel, M>& s, const
                            std::uint32_t channels, bool by_gradient, float units, RayState& state) {
   const FrameView& frame = ray.frame;
   const scene::Visibility& visibility = frame.visibility;
-  const int parts =
-      span.longest > kNarrowPath
-          ? static_cast<int>(std::fmin(2 + span.extinction * units / kThinDepth, float(kMostParts)))
-          : 1;
+  const SpanParts<kChannels> parts(visibility, span, channels, units);
   const bool lit = frame.lighting.lighting.enabled;
   scene::Shade<float> shade[kChannels];
   float factor[kChannels];
   for (std::uint32_t c = 0; c < channels; ++c) factor[c] = 1;
   if (lit || by_gradient) {
     // Lit where it is seen: a surface may begin near the back end.
-    const float share =
-        parts > 1 ? share_of_what_is_seen(visibility, span.path, channels, parts, units) : 0.5f;
-    const float i = s.held_in_voxel(span.centre, span.begin + share * (span.end - span.begin));
+    const float i = s.held_in_voxel(span.centre, span.begin + parts.seen_at * (span.end - span.begin));
     const float blend = s.blend_at(frame, i);
     for (std::uint32_t c = 0; c < channels; ++c) {
       if (!(span.matter[c].extinction > 0.0f)) continue;
@@ -115,18 +165,18 @@ GVX_HD void composite_span(const RayView& ray, const Stretch<Voxel, M>& s, const
       factor[c] = visibility.functions[c].factor_of_gradient(length(world) * voxels);
     }
   }
-  for (int part = 0; part < parts && state.phase == RayPhase::under_way; ++part) {
+  for (int part = 0; part < parts.count && state.phase == RayPhase::under_way; ++part) {
     scene::Matter sum;
     for (std::uint32_t c = 0; c < channels; ++c) {
-      if (!(span.matter[c].extinction > 0.0f)) continue;
-      const scene::Matter here =
-          parts == 1 ? span.matter[c] : span.path[c].mean(visibility.functions[c], part, parts);
+      const scene::Matter& here = parts.matter[c][part];
+      if (!(here.extinction > 0.0f)) continue;
       const float weight = factor[c] * here.extinction;
       sum.color = sum.color + factor[c] * here.color * shade[c].body + weight * shade[c].glint;
       sum.extinction += weight;
     }
     if (!(sum.extinction > 0.0f)) continue;
-    add(state, sum.color / sum.extinction, opacity_of(sum.extinction * units / static_cast<float>(parts)));
+    add(state, sum.color / sum.extinction,
+        opacity_of(sum.extinction * units / static_cast<float>(parts.count)));
   }
 }
 
@@ -140,17 +190,19 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
   for (std::uint32_t c = 0; c < channels; ++c) {
     by_gradient = by_gradient || visibility.functions[c].gradient_factor != nullptr;
   }
-  const auto sample_all = [&](float i, ScalarSample* samples) {
+  const auto classify = [&](float i, Classified* at) {
     const float blend = s.blend_at(frame, i);
-    for (std::uint32_t c = 0; c < channels; ++c) samples[c] = sample_at(s, c, i, blend);
+    for (std::uint32_t c = 0; c < channels; ++c) {
+      at[c] = Classified(visibility.functions[c], sample_at(s, c, i, blend));
+    }
     ++state.samples;
   };
-  ScalarSample front[kChannels], back[kChannels];
-  sample_all(-0.5f, front);
+  Classified front[kChannels], back[kChannels];
+  classify(-0.5f, front);
   for (std::int64_t step = 0; step < s.steps && state.phase == RayPhase::under_way; ++step) {
     const auto centre = static_cast<float>(step);
     const float begin = centre - 0.5f, end = centre + 0.5f;
-    sample_all(end, back);
+    classify(end, back);
     const Span<kChannels> whole(visibility, channels, centre, begin, end, front, back);
     // Where the values change fast they do not change evenly.
     const float opaque = std::fmin(whole.extinction * units, 1.0f);
@@ -160,9 +212,9 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
     } else if (whole.extinction > 0.0f) {
       const float share = 1 / static_cast<float>(cuts);
       for (int cut = 1; cut <= cuts && state.phase == RayPhase::under_way; ++cut) {
-        ScalarSample next[kChannels];
+        Classified next[kChannels];
         const float to = begin + static_cast<float>(cut) * share;
-        sample_all(to, next);
+        classify(to, next);
         const Span<kChannels> span(visibility, channels, centre, to - share, to, front, next);
         if (span.extinction > 0.0f) {
           composite_span(ray, s, span, channels, by_gradient, units * share, state);

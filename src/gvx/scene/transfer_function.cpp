@@ -94,6 +94,16 @@ Matter matter_at(const TransferFunction& function, double value, double most_ext
 }
 
 void count_visible(TransferTable& table) {
+  const auto seen = [](const Matter& m) { return m.extinction > 0; };
+  const auto first = std::find_if(table.matter.begin(), table.matter.end(), seen);
+  const auto last = std::find_if(table.matter.rbegin(), table.matter.rend(), seen);
+  constexpr float kBeyond = 1e30f;
+  const auto end = static_cast<float>(table.matter.size());
+  // Between an entry that is seen and one that is not, some is; the ends go on for ever.
+  const auto from = static_cast<float>(first - table.matter.begin()) - 1;
+  const float to = end - static_cast<float>(last - table.matter.rbegin());
+  table.first_visible = from < 0 ? -kBeyond : from;
+  table.last_visible = to >= end ? kBeyond : to;
   table.visible_before.push_back(0);
   for (const Matter& m : table.matter) {
     table.visible_before.push_back(table.visible_before.back() + (m.extinction > 0 ? 1 : 0));
@@ -110,6 +120,9 @@ TransferView TransferTable::view() const {
   v.gradient_factor = gradient_factor.empty() ? nullptr : gradient_factor.data();
   v.entries = static_cast<int>(matter.size());
   v.integral_unit = integral_unit;
+  v.integrals_per_unit = integral_unit > 0 ? 1 / integral_unit : 0;
+  v.first_visible = first_visible;
+  v.last_visible = last_visible;
   v.to_entry_scale = to_entry_scale;
   v.to_entry_offset = to_entry_offset;
   v.to_gradient_entry = to_gradient_entry;
@@ -133,19 +146,24 @@ TransferTable bake(const TransferFunction& function, double scale, double offset
     greatest = std::max(greatest, static_cast<double>(table.matter.back().extinction));
   }
   count_visible(table);
-  // The whole integral takes at most half of the numbers there are.
+  // The whole integral stays below 2^31, so that differences have a sign.
   table.integral_unit = static_cast<float>(std::max(greatest, 1e-30) * kEntries / 0x1p31);
   std::array<double, 4> sum{};
   for (int i = 0; i < kEntries; ++i) {
     TransferView::Integral& integral = table.integral.emplace_back();
     for (std::size_t c = 0; c < 4; ++c) {
-      integral.part[c] = static_cast<std::uint32_t>(std::llround(sum[c] / double(table.integral_unit)));
+      integral.sum[c] = static_cast<std::uint32_t>(std::llround(sum[c] / double(table.integral_unit)));
     }
+    std::array<double, 4> mean{};
     for (int k = 0; k < kParts; ++k) {
       const double value = first + (i + (k + 0.5) / kParts) * width;
       const Matter m = matter_at(function, value, most_extinction);
       const double parts[4] = {m.color.x, m.color.y, m.color.z, m.extinction};
-      for (std::size_t c = 0; c < 4; ++c) sum[c] += std::min(parts[c], greatest) / kParts;
+      for (std::size_t c = 0; c < 4; ++c) mean[c] += std::min(parts[c], greatest) / kParts;
+    }
+    for (std::size_t c = 0; c < 4; ++c) {
+      integral.density[c] = static_cast<float>(mean[c]);
+      sum[c] += mean[c];
     }
   }
   if (!function.gradients.empty()) {

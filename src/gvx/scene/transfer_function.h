@@ -3,6 +3,7 @@
 /// up.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -63,6 +64,10 @@ Status check(const TransferFunction& function);
 struct Matter {
   Vec3f color;
   float extinction = 0;
+
+  GVX_HD friend Matter operator+(const Matter& a, const Matter& b) {
+    return {a.color + b.color, a.extinction + b.extinction};
+  }
 };
 
 /// What kernels look up: a stored value v falls on entry v * to_entry_scale + to_entry_offset. Beyond its
@@ -73,19 +78,22 @@ struct Matter {
 /// layer between two samples is not missed. The integrals are fixed-point and wrap around: their differences
 /// stay exact where floats would cancel.
 struct TransferView {
-  /// A running integral; r, g, b, extinction in multiples of integral_unit.
-  struct Integral {
-    std::uint32_t part[4];
+  /// From an entry to the next: the running integral up to it in multiples of integral_unit, and the mean
+  /// matter; r, g, b, extinction.
+  struct alignas(32) Integral {
+    std::uint32_t sum[4];
+    float density[4];
   };
 
   const Matter* matter = nullptr;      ///< `entries` of them
-  const Integral* integral = nullptr;  ///< from entry 0 to each entry
+  const Integral* integral = nullptr;  ///< one an entry
   const std::uint32_t* visible_before =
       nullptr;  ///< entries + 1: how many entries before this one can be seen
   const float* gradient_factor =
       nullptr;  ///< kGradientEntries, or null: factor of the extinction by gradient
   int entries = 0;
-  float integral_unit = 0;
+  float integral_unit = 0, integrals_per_unit = 0;  ///< one is the other's inverse
+  float first_visible = 0, last_visible = 0;        ///< entries below and above these cannot be seen
   float to_entry_scale = 0, to_entry_offset = 0;
   float to_gradient_entry = 0;  ///< from a gradient in stored values per world unit
 
@@ -100,26 +108,51 @@ struct TransferView {
     return mix(matter[p.low], matter[p.low + 1], p.weight);
   }
 
-  /// The mean matter of the entries from `low` to `high`, which are equally likely.
-  GVX_HD Matter mean(float low, float high) const {
-    if (!(high - low > kNarrow)) return at(0.5f * (low + high));
+  /// What the running integrals are at an entry: two of these give the mean matter between them.
+  struct Reading {
+    float entry = 0;
+    std::uint32_t sum[4] = {};
+    float density[4] = {};
+  };
+
+  GVX_HD Reading read(float entry) const {
+    const Place p = place(entry);
+    const Integral& at = integral[p.low];
+    const float units = p.weight * integrals_per_unit;
+    Reading reading;
+    reading.entry = entry;
+    for (int i = 0; i < 4; ++i) {
+      reading.density[i] = at.density[i];
+      reading.sum[i] =
+          at.sum[i] + static_cast<std::uint32_t>(static_cast<std::int32_t>(units * at.density[i]));
+    }
+    return reading;
+  }
+
+  /// The mean matter of the entries between two readings, which are equally likely.
+  GVX_HD Matter mean(const Reading& a, const Reading& b) const {
     const float last = static_cast<float>(entries - 1);
-    const float a = clamped(low, last), b = clamped(high, last);
-    const Place pa = place(a), pb = place(b);
-    const float below = (high < 0.0f ? high : 0.0f) - (low < 0.0f ? low : 0.0f);
-    const float above = (high > last ? high : last) - (low > last ? low : last);
-    const float width = high - low;
-    const auto part = [&](int i, float first_entry, float last_entry) {
-      const std::uint32_t a0 = integral[pa.low].part[i], a1 = integral[pa.low + 1].part[i];
-      const std::uint32_t b0 = integral[pb.low].part[i], b1 = integral[pb.low + 1].part[i];
-      const float whole = static_cast<float>(b0 - a0) - pa.weight * static_cast<float>(a1 - a0) +
-                          pb.weight * static_cast<float>(b1 - b0);
-      const float sum = whole * integral_unit + below * first_entry + above * last_entry;
-      return sum > 0.0f ? sum / width : 0.0f;
-    };
-    const Matter &f = matter[0], &l = matter[entries - 1];
-    return {{part(0, f.color.x, l.color.x), part(1, f.color.y, l.color.y), part(2, f.color.z, l.color.z)},
-            part(3, f.extinction, l.extinction)};
+    const float width = b.entry - a.entry;
+    float sum[4];
+    if (!(std::fabs(width) > kNarrow)) {
+      for (int i = 0; i < 4; ++i) sum[i] = 0.5f * (a.density[i] + b.density[i]);
+      return {{sum[0], sum[1], sum[2]}, sum[3]};
+    }
+    const float scale = integral_unit / width;
+    for (int i = 0; i < 4; ++i) {
+      sum[i] = scale * static_cast<float>(static_cast<std::int32_t>(b.sum[i] - a.sum[i]));
+    }
+    Matter m{{sum[0], sum[1], sum[2]}, sum[3]};
+    const float before = std::fmin(b.entry, 0.0f) - std::fmin(a.entry, 0.0f);
+    const float behind = std::fmax(b.entry, last) - std::fmax(a.entry, last);
+    if (before != 0.0f) m = mix(m, m + matter[0], before / width);
+    if (behind != 0.0f) m = mix(m, m + matter[entries - 1], behind / width);
+    return m;
+  }
+
+  /// Can no value between two entries be seen? Conservative: true is certain.
+  GVX_HD bool invisible(float a, float b) const {
+    return std::fmax(a, b) < first_visible || std::fmin(a, b) > last_visible;
   }
 
   /// Matter of a label.
@@ -151,8 +184,8 @@ struct TransferView {
   }
 
  private:
-  // As wide in entries a stretch's values are taken for one value.
-  static constexpr float kNarrow = 2.0f;
+  // So narrow, in entries, the integrals' differences would be of few of their units.
+  static constexpr float kNarrow = 0.125f;
 
   /// Between two entries.
   struct Place {
@@ -181,6 +214,7 @@ struct TransferTable {
   std::vector<std::uint32_t> visible_before;
   std::vector<float> gradient_factor;  ///< empty where the gradient does not matter
   float integral_unit = 0;
+  float first_visible = 0, last_visible = 0;
   float to_entry_scale = 0, to_entry_offset = 0;
   float to_gradient_entry = 0;
 
