@@ -9,6 +9,7 @@ find_package(nlohmann_json REQUIRED)    # nlohmann-json3-dev
 find_package(PkgConfig REQUIRED)        # pkg-config
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)  # libzstd-dev
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)    # liblz4-dev
+pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)      # libhwy-dev
 find_path(GVX_XXHASH_INCLUDE xxhash.h REQUIRED)           # libxxhash-dev
 
 find_package(OpenEXR QUIET)             # libopenexr-dev

@@ -68,6 +68,7 @@ Result<std::unique_ptr<Engine>> Engine::create(const exec::Device& device,
     GVX_ASSIGN(sizes, PoolSizes::fitting(options.memory_bytes, producer->description()));
   }
   std::unique_ptr<Engine> engine(new Engine(device, std::move(producer), sizes));
+  engine->one_ray_at_a_time_ = options.one_ray_at_a_time;
   GVX_TRY(engine->residency_.plant_root());
   return engine;
 }
@@ -129,6 +130,7 @@ render::Pass Engine::pass() {
   pass.requests = residency_.requests();
   pass.number = stamp_;
   pass.lone_ray = lone_ray_;
+  pass.one_ray_at_a_time = one_ray_at_a_time_;
   pass.epoch = film_->epoch();
   return pass;
 }

@@ -25,6 +25,8 @@ namespace gvx::engine {
 struct EngineOptions {
   std::uint64_t memory_bytes = 512ull << 20;  ///< of the brick pool
   std::optional<PoolSizes> pools;             ///< instead of memory_bytes: for tests of tiny pools
+  /// On a CPU: the plain march, which says what a picture is, even where vectors of rays are faster.
+  bool one_ray_at_a_time = false;
 };
 
 /// One volume, one device, one picture at a time. Not thread-safe.
@@ -80,6 +82,7 @@ class Engine {
   void end_frame();
 
   exec::Device device_;
+  bool one_ray_at_a_time_ = false;
   std::shared_ptr<const produce::Producer> producer_;
   Residency residency_;
   produce::ProductionQueue queue_;

@@ -62,10 +62,15 @@ struct FrameView {
 
   /// The share of the next coarser level at distance t, where `level` is sampled.
   GVX_HD float blend_at(int level, double t) const {
+    const double share = share_at(level, t);
+    return share > 0 ? (share < 1 ? static_cast<float>(share) : 1.0f) : 0.0f;
+  }
+
+  /// The same before it is held from 0 to 1: even in t.
+  GVX_HD double share_at(int level, double t) const {
     if (fixed_blend >= 0) return fixed_blend;
     const double from = lod_distance[level], to = lod_distance[level - 1];
-    const double share = (t - from) / (to - from);
-    return share > 0 ? (share < 1 ? static_cast<float>(share) : 1.0f) : 0.0f;
+    return (t - from) / (to - from);
   }
 
   /// Is any of the coarser level seen at distance t, where `level` is sampled?

@@ -4,7 +4,7 @@
 /// missing data: an exact ray stops there and keeps its state; a preview ray makes do with the finest
 /// resident ancestor and goes on.
 ///
-/// One scalar ray at a time. The picture is defined here; faster loops must reproduce it.
+/// One scalar ray at a time. The picture is defined here; faster loops must reproduce it (tile_march.h).
 #pragma once
 
 #include <cmath>
@@ -49,17 +49,27 @@ class RayMarcher {
 
   /// Goes on until the ray is finished or lacks data, which it then asks for.
   GVX_HD void march_exact(RayState& state) const {
+    Stretch<Voxel, M> stretch;
+    while (next_stretch(state, stretch)) gather(state, stretch);
+  }
+
+  /// Leaps to the ray's next stretch within a brick and puts the state behind it: what is seen there is still
+  /// to be gathered. False where the ray is finished or lacks data, which it then asks for.
+  GVX_HD bool next_stretch(RayState& state, Stretch<Voxel, M>& stretch) const {
     while (state.phase == RayPhase::under_way) {
       Step step;
-      if (!next_step(state, step)) return;
+      if (!next_step(state, step)) return false;
       const Place place = descend(step, state);
       if (place.lack != 0 || place.lacks_coarse) {
         ask(place, 1 - state.opacity);
-        return;
+        return false;
       }
-      take(state, step, place);
+      if (take(state, step, place, stretch)) return true;
     }
+    return false;
   }
+
+  const Ray& ray_world() const { return ray_world_; }
 
   /// Draws the whole ray with what is resident; asks for what would have been better, coarse levels first.
   GVX_HD PreviewPixel march_preview() const {
@@ -78,7 +88,8 @@ class RayMarcher {
         ask(place, 1 - state.opacity);
         if (place.lack != 0) fall_back(step, place, pixel);
       }
-      take(state, step, place);
+      Stretch<Voxel, M> stretch;
+      if (take(state, step, place, stretch)) gather(state, stretch);
     }
     pixel.color = state.color;
     pixel.opacity = state.opacity;
@@ -255,8 +266,9 @@ class RayMarcher {
     pixel.worst_lack = lack > pixel.worst_lack ? lack : pixel.worst_lack;
   }
 
-  /// Samples, or leaps over, all steps whose samples are in the node, and moves the ray behind them.
-  GVX_HD void take(RayState& state, const Step& step, const Place& place) const {
+  /// Moves the ray behind all steps whose centres are in the node. True where they are in a brick: then
+  /// `stretch` is yet to be gathered.
+  GVX_HD bool take(RayState& state, const Step& step, const Place& place, Stretch<Voxel, M>& stretch) const {
     // A preview's coarser brick is sampled in its own, longer steps.
     const bool coarser = place.kind == Place::brick && place.brick_level < step.level;
     const int step_level = coarser ? place.brick_level : step.level;
@@ -279,14 +291,13 @@ class RayMarcher {
     count = count < to_zone_end || coarser ? count : to_zone_end;
     const auto steps = static_cast<std::int64_t>(count < 1e15 ? count : 1e15);
 
-    if (place.kind == Place::constant) {
-      gather_constant(state, place, step.level, steps);
-    } else if (place.kind == Place::brick) {
-      view_.brick_usage.touch(place.slot.value, view_.pass);
-      if (place.blended) view_.brick_usage.touch(place.parent_slot.value, view_.pass);
-      gather(state, stretch_of(step, place, step_level, t_step, steps));
-    }
     state.tick += steps * stride;
+    if (place.kind == Place::constant) gather_constant(state, place, step.level, steps);
+    if (place.kind != Place::brick) return false;
+    view_.brick_usage.touch(place.slot.value, view_.pass);
+    if (place.blended) view_.brick_usage.touch(place.parent_slot.value, view_.pass);
+    stretch = stretch_of(step, place, step_level, t_step, steps);
+    return true;
   }
 
   GVX_HD void gather_constant(RayState& state, const Place& place, int level, std::int64_t steps) const {

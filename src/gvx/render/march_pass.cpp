@@ -1,6 +1,8 @@
 #include "gvx/render/march_pass.h"
 
 #include "gvx/render/march_kernels.h"
+#include "gvx/render/stretch_batch.h"
+#include "gvx/render/tile_march.h"
 
 namespace gvx::render {
 namespace kernels {
@@ -14,6 +16,10 @@ GVX_INSTANTIATE_MARCH(extern, float)
 bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
                  exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
                  exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
+  const bool vectors = device.kind() == exec::DeviceKind::cpu && composites_batches(pass.frame);
+  if (vectors && !pass.one_ray_at_a_time) {
+    return tile_march(device, pass, grid, tiles, deadline, rays, unfinished);
+  }
   return with_voxel_type(pass.frame.format.type, [&](auto zero) {
     return kernels::march_exact<decltype(zero)>(device, pass, grid, tiles, deadline, rays, unfinished);
   });

@@ -32,6 +32,9 @@ struct Pass {
   std::uint64_t lone_ray = kAllRays;
 
   static constexpr std::uint64_t kAllRays = UINT64_MAX;
+
+  /// On a CPU: never many rays in vectors, where there is a choice.
+  bool one_ray_at_a_time = false;
 };
 
 /// Marches the exact rays of the listed tiles; sets unfinished[tile] = 1 where a ray of the tile is not

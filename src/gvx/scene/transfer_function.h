@@ -99,6 +99,8 @@ struct TransferView {
 
   static constexpr int kEntries = 4096;  ///< of a table of scalars; labels have one each
   static constexpr int kGradientEntries = 256;
+  /// So narrow, in entries, the integrals' differences would be of few of their units.
+  static constexpr float kNarrow = 0.125f;
 
   GVX_HD float entry_of(float stored) const { return stored * to_entry_scale + to_entry_offset; }
 
@@ -184,8 +186,6 @@ struct TransferView {
   }
 
  private:
-  // So narrow, in entries, the integrals' differences would be of few of their units.
-  static constexpr float kNarrow = 0.125f;
 
   /// Between two entries.
   struct Place {

@@ -1,0 +1,58 @@
+/// \file
+/// StretchBatch: the stretches of many rays through one brick, side by side for a processor's vectors; and
+/// composite_batch, which composites them as composite.h does one. The vectors are the widest that the
+/// processor has (Google Highway, chosen at run time).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "gvx/render/frame.h"
+
+namespace gvx::render {
+
+struct StretchBatch {
+  /// As many rays as a tile of a film has.
+  static constexpr std::uint32_t kMost = 256;
+
+  /// A brick of the tree's format, and the rays' way through it: in voxels from its low corner, from the
+  /// centre of the first step.
+  struct Path {
+    const std::byte* brick = nullptr;
+    bool deviates = false;
+    float gradient_scale = 1;
+    alignas(64) float first[3][kMost];
+    alignas(64) float per_step[3][kMost];
+  };
+
+  std::uint32_t m = 16;  ///< the bricks' edge, 8, 16 or 32
+  float units = 1;       ///< unit distances of the extinctions a step
+  bool blended = false;  ///< the coarse brick is seen too
+  Path fine, coarse;
+
+  std::uint32_t count = 0;  ///< rays
+  alignas(64) std::int32_t steps[kMost];
+  /// The coarse brick's share at the centre of the first step and its growth a step; it is held from 0 to 1.
+  alignas(64) float blend[kMost];
+  alignas(64) float blend_per_step[kMost];
+  alignas(64) float to_eye[3][kMost];
+  /// Where in the world the centre of the first step is, and the way of a step.
+  alignas(64) float place[3][kMost];
+  alignas(64) float place_per_step[3][kMost];
+
+  /// What the rays have gathered (RayState).
+  alignas(64) float color[3][kMost];
+  alignas(64) float opacity[kMost];
+  alignas(64) std::int32_t samples[kMost];
+};
+
+/// Are there vectors for this way to look? Scalars of one channel, composited, without opacity by gradient.
+bool composites_batches(const FrameView& frame);
+
+/// Adds what is seen of every ray's stretch to what it has gathered. A ray's bits do not depend on the others
+/// in the batch. Only where composites_batches(frame).
+void composite_batch(const FrameView& frame, StretchBatch& batch);
+
+}  // namespace gvx::render
