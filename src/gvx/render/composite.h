@@ -15,60 +15,21 @@
 
 namespace gvx::render {
 
-/// A channel at a place of a ray: its value, and the transfer function's integrals there.
-struct Classified {
-  scene::TransferView::Reading reading;
-  float deviation = 0;  ///< in entries
-
-  GVX_HD Classified() = default;
-  GVX_HD Classified(const scene::TransferView& function, ScalarSample sample)
-      : reading(function.read(function.entry_of(sample.value))),
-        deviation(sample.deviation * function.to_entry_scale) {}
-};
-
 /// The entries of a transfer function that a channel goes through between two places.
 struct EntryPath {
-  scene::TransferView::Reading front, back;
+  float from = 0, to = 0;
   float variance3 = 0;  ///< three times the variance around it
 
-  GVX_HD EntryPath() = default;
-  GVX_HD EntryPath(const Classified& a, const Classified& b) : front(a.reading), back(b.reading) {
-    const float deviation = 0.5f * (a.deviation + b.deviation);
-    variance3 = 3 * deviation * deviation;
-  }
+  GVX_HD float length() const { return std::fabs(to - from); }
 
-  GVX_HD float length() const { return std::fabs(back.entry - front.entry); }
-
-  /// The mean matter of all of it.
-  GVX_HD scene::Matter mean(const scene::TransferView& function) const {
-    if (!(variance3 > 0.0f)) {
-      return function.invisible(front.entry, back.entry) ? scene::Matter{} : function.mean(front, back);
-    }
-    return spread_mean(function, front.entry, back.entry);
-  }
-
-  /// The mean matter of each of `parts` equal parts.
-  GVX_HD void means(const scene::TransferView& function, int parts, scene::Matter* out) const {
-    const float length = (back.entry - front.entry) / static_cast<float>(parts);
-    scene::TransferView::Reading low = front;
-    for (int part = 0; part < parts; ++part) {
-      const float to = front.entry + static_cast<float>(part + 1) * length;
-      if (variance3 > 0.0f) {
-        out[part] = spread_mean(function, to - length, to);
-        continue;
-      }
-      const scene::TransferView::Reading high = part + 1 < parts ? function.read(to) : back;
-      out[part] = function.mean(low, high);
-      low = high;
-    }
-  }
-
- private:
-  GVX_HD scene::Matter spread_mean(const scene::TransferView& function, float from, float to) const {
-    const float centre = 0.5f * (from + to);
-    const float half = std::sqrt(variance3 + 0.25f * (to - from) * (to - from));
-    if (function.invisible(centre - half, centre + half)) return {};
-    return function.mean(function.read(centre - half), function.read(centre + half));
+  /// The mean matter of part `part` of `parts`.
+  GVX_HD scene::Matter mean(const scene::TransferView& function, int part, int parts) const {
+    const float length = (to - from) / static_cast<float>(parts);
+    const float begin = from + static_cast<float>(part) * length;
+    if (!(variance3 > 0.0f)) return function.mean(begin, part + 1 < parts ? begin + length : to);
+    const float centre = begin + 0.5f * length;
+    const float half = std::sqrt(variance3 + 0.25f * length * length);
+    return function.mean(centre - half, centre + half);
   }
 };
 
@@ -94,11 +55,14 @@ struct Span {
   float longest = 0;  ///< entries of a function that a channel goes through
 
   GVX_HD Span(const scene::Visibility& visibility, std::uint32_t channels, float centre_, float begin_,
-              float end_, const Classified* front, const Classified* back)
+              float end_, const ScalarSample* front, const ScalarSample* back)
       : centre(centre_), begin(begin_), end(end_) {
     for (std::uint32_t c = 0; c < channels; ++c) {
-      path[c] = EntryPath(front[c], back[c]);
-      matter[c] = path[c].mean(visibility.functions[c]);
+      const scene::TransferView& function = visibility.functions[c];
+      const float deviation = 0.5f * (front[c].deviation + back[c].deviation) * function.to_entry_scale;
+      path[c] = {function.entry_of(front[c].value), function.entry_of(back[c].value),
+                 3 * deviation * deviation};
+      matter[c] = path[c].mean(function, 0, 1);
       extinction += matter[c].extinction;
       longest = std::fmax(longest, path[c].length());
     }
@@ -118,10 +82,9 @@ struct SpanParts {
       count = static_cast<int>(std::fmin(1 + span.extinction * units / kThinDepth, float(kMostParts)));
     }
     for (std::uint32_t c = 0; c < channels; ++c) {
-      if (count == 1) {
-        matter[c][0] = span.matter[c];
-      } else {
-        span.path[c].means(visibility.functions[c], count, matter[c]);
+      for (int part = 0; part < count; ++part) {
+        matter[c][part] =
+            count == 1 ? span.matter[c] : span.path[c].mean(visibility.functions[c], part, count);
       }
     }
     if (count == 1) return;
@@ -190,19 +153,17 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
   for (std::uint32_t c = 0; c < channels; ++c) {
     by_gradient = by_gradient || visibility.functions[c].gradient_factor != nullptr;
   }
-  const auto classify = [&](float i, Classified* at) {
+  const auto sample_all = [&](float i, ScalarSample* samples) {
     const float blend = s.blend_at(frame, i);
-    for (std::uint32_t c = 0; c < channels; ++c) {
-      at[c] = Classified(visibility.functions[c], sample_at(s, c, i, blend));
-    }
+    for (std::uint32_t c = 0; c < channels; ++c) samples[c] = sample_at(s, c, i, blend);
     ++state.samples;
   };
-  Classified front[kChannels], back[kChannels];
-  classify(-0.5f, front);
+  ScalarSample front[kChannels], back[kChannels];
+  sample_all(-0.5f, front);
   for (std::int64_t step = 0; step < s.steps && state.phase == RayPhase::under_way; ++step) {
     const auto centre = static_cast<float>(step);
     const float begin = centre - 0.5f, end = centre + 0.5f;
-    classify(end, back);
+    sample_all(end, back);
     const Span<kChannels> whole(visibility, channels, centre, begin, end, front, back);
     // Where the values change fast they do not change evenly.
     const float opaque = std::fmin(whole.extinction * units, 1.0f);
@@ -212,9 +173,9 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
     } else if (whole.extinction > 0.0f) {
       const float share = 1 / static_cast<float>(cuts);
       for (int cut = 1; cut <= cuts && state.phase == RayPhase::under_way; ++cut) {
-        Classified next[kChannels];
+        ScalarSample next[kChannels];
         const float to = begin + static_cast<float>(cut) * share;
-        classify(to, next);
+        sample_all(to, next);
         const Span<kChannels> span(visibility, channels, centre, to - share, to, front, next);
         if (span.extinction > 0.0f) {
           composite_span(ray, s, span, channels, by_gradient, units * share, state);

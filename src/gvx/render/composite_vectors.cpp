@@ -1,6 +1,7 @@
 // composite_batch: composite.h once more, with a ray in each lane of a vector. What is said there holds here;
 // the same names mean the same. Compiled once for each instruction set.
 
+#include <cstddef>
 #include <cstring>
 
 #include "gvx/core/voxel.h"
@@ -115,16 +116,70 @@ HWY_INLINE Float sample(const Voxel* texels, int edge, const Vec3v& p) {
   return trilinear(texels, edge, TexelAxis(p.x, edge), TexelAxis(p.y, edge), TexelAxis(p.z, edge));
 }
 
+/// Along one axis: the first of the three texels around a place from 0 to `edge`, and what each of them
+/// weighs in the value and in the difference of half a voxel to either side.
+struct ThreeTexels {
+  Int first;
+  Float of_value[3], of_difference[3];
+
+  HWY_INLINE ThreeTexels(Float position, int edge) {
+    const Float zero = hn::Zero(kFloats), one = all(1), half = all(0.5f);
+    const Float held = hn::Min(hn::Max(position, zero), all(static_cast<float>(edge)));
+    first = hn::Min(hn::ConvertTo(kInts, held), all_ints(edge - 1));
+    const Float in_voxel = hn::Sub(held, hn::ConvertTo(kFloats, first));
+    const Float from_centre = hn::Sub(in_voxel, half);
+    of_value[0] = hn::Max(hn::Neg(from_centre), zero);
+    of_value[1] = hn::Sub(one, hn::Abs(from_centre));
+    of_value[2] = hn::Max(from_centre, zero);
+    of_difference[0] = hn::Sub(in_voxel, one);
+    of_difference[1] = hn::Sub(one, hn::Add(in_voxel, in_voxel));
+    of_difference[2] = in_voxel;
+  }
+};
+
+struct Triple {
+  Float texel[3];
+};
+HWY_INLINE Triple gather_triple(const std::uint8_t* texels, Int index) {
+  // The fourth byte is the deviations' first at most.
+  const Int four = hn::GatherOffset(kInts, reinterpret_cast<const std::int32_t*>(texels), index);
+  const Int byte = all_ints(0xff);
+  return {{hn::ConvertTo(kFloats, hn::And(four, byte)),
+           hn::ConvertTo(kFloats, hn::And(hn::ShiftRight<8>(four), byte)),
+           hn::ConvertTo(kFloats, hn::And(hn::ShiftRight<16>(four), byte))}};
+}
+template <typename Voxel>
+HWY_INLINE Triple gather_triple(const Voxel* texels, Int index) {
+  const Pair first = gather_pair(texels, index), last = gather_pair(texels + 1, index);
+  return {{first.low, first.high, last.high}};
+}
+
+HWY_INLINE Float weighted(const Float (&weight)[3], Float a, Float b, Float c) {
+  return hn::MulAdd(weight[0], a, hn::MulAdd(weight[1], b, hn::Mul(weight[2], c)));
+}
+
+/// brick::gradient: all that it needs is in 3 x 3 x 3 texels.
 template <typename Voxel>
 HWY_INLINE Vec3v gradient(const Voxel* texels, int edge, const Vec3v& p) {
-  const Float half = all(0.5f);
-  const TexelAxis x(p.x, edge), y(p.y, edge), z(p.z, edge);
-  const TexelAxis x0(hn::Sub(p.x, half), edge), x1(hn::Add(p.x, half), edge);
-  const TexelAxis y0(hn::Sub(p.y, half), edge), y1(hn::Add(p.y, half), edge);
-  const TexelAxis z0(hn::Sub(p.z, half), edge), z1(hn::Add(p.z, half), edge);
-  return {hn::Sub(trilinear(texels, edge, x1, y, z), trilinear(texels, edge, x0, y, z)),
-          hn::Sub(trilinear(texels, edge, x, y1, z), trilinear(texels, edge, x, y0, z)),
-          hn::Sub(trilinear(texels, edge, x, y, z1), trilinear(texels, edge, x, y, z0))};
+  const int row = edge + 2, slice = row * row;
+  const ThreeTexels x(p.x, edge), y(p.y, edge), z(p.z, edge);
+  const Int index =
+      hn::Add(x.first, hn::Add(hn::Mul(y.first, all_ints(row)), hn::Mul(z.first, all_ints(slice))));
+  Float along_x[3], along_y[3], value[3];
+  for (int k = 0; k < 3; ++k) {
+    Float row_value[3], row_difference[3];
+    for (int j = 0; j < 3; ++j) {
+      const Triple t = gather_triple(texels + j * row + k * slice, index);
+      row_value[j] = weighted(x.of_value, t.texel[0], t.texel[1], t.texel[2]);
+      row_difference[j] = weighted(x.of_difference, t.texel[0], t.texel[1], t.texel[2]);
+    }
+    value[k] = weighted(y.of_value, row_value[0], row_value[1], row_value[2]);
+    along_x[k] = weighted(y.of_value, row_difference[0], row_difference[1], row_difference[2]);
+    along_y[k] = weighted(y.of_difference, row_value[0], row_value[1], row_value[2]);
+  }
+  return {weighted(z.of_value, along_x[0], along_x[1], along_x[2]),
+          weighted(z.of_value, along_y[0], along_y[1], along_y[2]),
+          weighted(z.of_difference, value[0], value[1], value[2])};
 }
 
 /// deviation_of_code of the byte at each index.
@@ -168,11 +223,46 @@ HWY_INLINE Matter select(Mask mask, const Matter& a, const Matter& b) {
   return m;
 }
 
+/// Four 32-bit numbers of each lane, table + offset in bytes onwards: out[i] has the i-th of every lane. Rows
+/// are loaded whole and turned, which is several times as fast as gathering.
+HWY_INLINE void load_rows(const std::byte* table, const std::int32_t* offsets, Int out[4]) {
+#if HWY_TARGET == HWY_SCALAR
+  const auto* row = reinterpret_cast<const std::int32_t*>(table + offsets[0]);
+  for (std::size_t i = 0; i < 4; ++i) out[i] = hn::Set(kInts, row[i]);
+#else
+  const auto row = [&](std::size_t lane) HWY_ATTR {
+    const auto* numbers = reinterpret_cast<const std::int32_t*>(table + offsets[lane]);
+    return hn::Load(hn::Full128<std::int32_t>(), numbers);
+  };
+  Int part[4];
+  for (std::size_t i = 0; i < 4; ++i) {
+#if HWY_MAX_BYTES == 16
+    part[i] = row(i);
+#elif HWY_MAX_BYTES == 32
+    part[i] = hn::Combine(kInts, row(4 + i), row(i));
+#else
+    const hn::Half<Ints> half;
+    part[i] =
+        hn::Combine(kInts, hn::Combine(half, row(12 + i), row(8 + i)), hn::Combine(half, row(4 + i), row(i)));
+#endif
+  }
+  const hn::RepartitionToWide<Ints> pairs;
+  const auto pair = [&](Int v) HWY_ATTR { return hn::BitCast(pairs, v); };
+  const Int a = hn::InterleaveLower(kInts, part[0], part[1]),
+            b = hn::InterleaveUpper(kInts, part[0], part[1]);
+  const Int c = hn::InterleaveLower(kInts, part[2], part[3]),
+            d = hn::InterleaveUpper(kInts, part[2], part[3]);
+  out[0] = hn::BitCast(kInts, hn::InterleaveLower(pairs, pair(a), pair(c)));
+  out[1] = hn::BitCast(kInts, hn::InterleaveUpper(pairs, pair(a), pair(c)));
+  out[2] = hn::BitCast(kInts, hn::InterleaveLower(pairs, pair(b), pair(d)));
+  out[3] = hn::BitCast(kInts, hn::InterleaveUpper(pairs, pair(b), pair(d)));
+#endif
+}
+
 /// scene::TransferView::Reading.
 struct Reading {
   Float entry;
   Int sum[4];
-  Float density[4];
 };
 
 /// scene::TransferView.
@@ -186,43 +276,55 @@ class Function {
   HWY_INLINE Float to_entries(Float deviation) const { return hn::Mul(deviation, all(view_.to_entry_scale)); }
 
   HWY_INLINE Reading read(Float entry) const {
-    const auto* table = reinterpret_cast<const std::int32_t*>(view_.integral);
-    const Float held = hn::Min(hn::Max(entry, hn::Zero(kFloats)), all(static_cast<float>(view_.entries - 1)));
+    const Float held = held_in_table(entry);
     const Int low = hn::Min(hn::ConvertTo(kInts, held), all_ints(view_.entries - 2));
     const Float weight = hn::Sub(held, hn::ConvertTo(kFloats, low));
     const Float units = hn::Mul(weight, all(view_.integrals_per_unit));
-    static_assert(sizeof(scene::TransferView::Integral) == 32);
-    const Int offset = hn::ShiftLeft<5>(low);
+    alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
+    hn::Store(offset_of(low), kInts, offsets);
+    Int sum[4], density[4];
+    load_rows(sums(), offsets, sum);
+    load_rows(densities(), offsets, density);
     Reading reading;
     reading.entry = entry;
     for (int i = 0; i < 4; ++i) {
-      const Int sum = hn::GatherOffset(kInts, table + i, offset);
-      reading.density[i] = hn::GatherOffset(kFloats, reinterpret_cast<const float*>(table + 4 + i), offset);
-      reading.sum[i] = hn::Add(sum, hn::ConvertTo(kInts, hn::Mul(units, reading.density[i])));
+      const Float more = hn::Mul(units, hn::BitCast(kFloats, density[i]));
+      reading.sum[i] = hn::Add(sum[i], hn::ConvertTo(kInts, more));
     }
     return reading;
   }
 
+  /// Lanes whose readings are no more than kNarrow apart mean nothing.
   HWY_INLINE Matter mean(const Reading& a, const Reading& b) const {
     const Float zero = hn::Zero(kFloats), last = all(static_cast<float>(view_.entries - 1));
     const Float width = hn::Sub(b.entry, a.entry);
     const Mask wide = hn::Gt(hn::Abs(width), all(scene::TransferView::kNarrow));
     const Float share = hn::Div(all(1), hn::IfThenElse(wide, width, all(1)));
     const Float scale = hn::Mul(all(view_.integral_unit), share);
-    const Float before = hn::Mul(share, hn::Sub(hn::Min(b.entry, zero), hn::Min(a.entry, zero)));
-    const Float behind = hn::Mul(share, hn::Sub(hn::Max(b.entry, last), hn::Max(a.entry, last)));
-    const scene::Matter &first_matter = view_.matter[0], &last_matter = view_.matter[view_.entries - 1];
-    const float first_parts[4] = {first_matter.color.x, first_matter.color.y, first_matter.color.z,
-                                  first_matter.extinction};
-    const float last_parts[4] = {last_matter.color.x, last_matter.color.y, last_matter.color.z,
-                                 last_matter.extinction};
     Matter m;
     for (int i = 0; i < 4; ++i) {
-      Float sum = hn::Mul(scale, hn::ConvertTo(kFloats, hn::Sub(b.sum[i], a.sum[i])));
-      sum = hn::MulAdd(before, all(first_parts[i]), sum);
-      sum = hn::MulAdd(behind, all(last_parts[i]), sum);
-      m.part[i] = hn::IfThenElse(wide, sum, hn::Mul(all(0.5f), hn::Add(a.density[i], b.density[i])));
+      m.part[i] = hn::Mul(scale, hn::ConvertTo(kFloats, hn::Sub(b.sum[i], a.sum[i])));
     }
+    if (!none(hn::Or(hn::Lt(hn::Min(a.entry, b.entry), zero), hn::Gt(hn::Max(a.entry, b.entry), last)))) {
+      const Float before = hn::Mul(share, hn::Sub(hn::Min(b.entry, zero), hn::Min(a.entry, zero)));
+      const Float behind = hn::Mul(share, hn::Sub(hn::Max(b.entry, last), hn::Max(a.entry, last)));
+      add(m, before, view_.matter[0]);
+      add(m, behind, view_.matter[view_.entries - 1]);
+    }
+    return m;
+  }
+
+  HWY_INLINE Mask is_even(Float from, Float to) const {
+    return hn::Le(hn::Abs(hn::Sub(to, from)), all(view_.even_width));
+  }
+
+  HWY_INLINE Matter density_at(Float entry) const {
+    alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
+    hn::Store(offset_of(hn::ConvertTo(kInts, held_in_table(entry))), kInts, offsets);
+    Int density[4];
+    load_rows(densities(), offsets, density);
+    Matter m;
+    for (int i = 0; i < 4; ++i) m.part[i] = hn::BitCast(kFloats, density[i]);
     return m;
   }
 
@@ -232,6 +334,24 @@ class Function {
   }
 
  private:
+  HWY_INLINE Float held_in_table(Float entry) const {
+    return hn::Min(hn::Max(entry, hn::Zero(kFloats)), all(static_cast<float>(view_.entries - 1)));
+  }
+  HWY_INLINE static Int offset_of(Int entry) {
+    static_assert(sizeof(scene::TransferView::Integral) == 32);
+    return hn::ShiftLeft<5>(entry);
+  }
+  HWY_INLINE const std::byte* sums() const { return reinterpret_cast<const std::byte*>(view_.integral); }
+  HWY_INLINE const std::byte* densities() const {
+    return sums() + offsetof(scene::TransferView::Integral, density);
+  }
+  HWY_INLINE static void add(Matter& m, Float weight, const scene::Matter& matter) {
+    m.part[0] = hn::MulAdd(weight, all(matter.color.x), m.part[0]);
+    m.part[1] = hn::MulAdd(weight, all(matter.color.y), m.part[1]);
+    m.part[2] = hn::MulAdd(weight, all(matter.color.z), m.part[2]);
+    m.part[3] = hn::MulAdd(weight, all(matter.extinction), m.part[3]);
+  }
+
   const scene::TransferView& view_;
 };
 
@@ -265,21 +385,33 @@ class Composite {
     const Int steps =
         hn::IfThenElseZero(hn::Lt(hn::Iota(kInts, 0), left), hn::Load(kInts, batch_.steps + lane_));
     Int samples = hn::Load(kInts, batch_.samples + lane_);
-    Place front = at(all(-0.5f));
-    samples = hn::Sub(samples, hn::VecFromMask(kInts, hn::Gt(steps, hn::Zero(kInts))));
-    for (std::int32_t step = 0;; ++step) {
-      const Mask active = hn::And(hn::RebindMask(kFloats, hn::Gt(steps, all_ints(step))), going());
-      if (none(active)) break;
-      const float centre = static_cast<float>(step);
-      Place back = at(all(centre + 0.5f));
-      samples = hn::Sub(samples, hn::VecFromMask(kInts, hn::RebindMask(kInts, active)));
-      const Mask visible = hn::And(active, hn::Not(unseen(front, back)));
-      if (!none(visible)) {
-        read(front);
-        read(back);
-        composite_step(all(centre), front, back, visible, samples);
-      }
-      front = back;
+    const auto of_ints = [](Int mask) HWY_ATTR { return hn::Gt(mask, hn::Zero(kInts)); };
+    samples = hn::Sub(samples, hn::VecFromMask(kInts, of_ints(steps)));
+    Place front = at(all(-0.5f)), back = front;
+    Int step = hn::Zero(kInts);
+    Mask active = hn::And(hn::RebindMask(kFloats, of_ints(steps)), going());
+    Mask found = hn::Lt(opacity_, opacity_);  // lanes before a step in which there is something to see
+    // Steps through nothing are cheap: lanes go through theirs until most have found something to see.
+    while (!none(active)) {
+      Mask searching = hn::AndNot(found, active);
+      do {
+        back = at(hn::Add(hn::ConvertTo(kFloats, step), all(0.5f)));
+        samples = hn::Sub(samples, hn::VecFromMask(kInts, hn::RebindMask(kInts, searching)));
+        const Mask visible = hn::AndNot(unseen(front, back), searching);
+        found = hn::Or(found, visible);
+        const Mask passing = hn::AndNot(visible, searching);
+        front = select(passing, back, front);
+        step = hn::Sub(step, hn::VecFromMask(kInts, hn::RebindMask(kInts, passing)));
+        active = hn::And(active, hn::RebindMask(kFloats, hn::Lt(step, steps)));
+        searching = hn::And(passing, active);
+      } while (!none(searching) &&
+               (none(found) || 4 * hn::CountTrue(kFloats, searching) > hn::Lanes(kFloats)));
+      if (none(found)) continue;
+      composite_step(hn::ConvertTo(kFloats, step), front, back, found, samples);
+      front = select(found, back, front);
+      step = hn::Sub(step, hn::VecFromMask(kInts, hn::RebindMask(kInts, found)));
+      active = hn::And(hn::And(active, going()), hn::RebindMask(kFloats, hn::Lt(step, steps)));
+      found = hn::Lt(opacity_, opacity_);
     }
     hn::Store(samples, kInts, batch_.samples + lane_);
     hn::Store(color_.x, kFloats, batch_.color[0] + lane_);
@@ -289,18 +421,20 @@ class Composite {
   }
 
  private:
-  /// Classified.
+  /// ScalarSample, in entries.
   struct Place {
     Float entry;
     Float deviation;
-    Reading reading;
-    bool is_read = false;
   };
+  HWY_INLINE static Place select(Mask mask, const Place& a, const Place& b) {
+    Place place{hn::IfThenElse(mask, a.entry, b.entry), b.deviation};
+    if constexpr (!kPlain) place.deviation = hn::IfThenElse(mask, a.deviation, b.deviation);
+    return place;
+  }
 
   /// Span.
   struct Span {
     Float centre, begin, length;
-    Reading front, back;  // plain
     Float from, to, variance3;
     Matter matter;
     Float longest;
@@ -340,12 +474,6 @@ class Composite {
     return place;
   }
 
-  HWY_INLINE void read(Place& place) const {
-    if (!kPlain || place.is_read) return;
-    place.reading = function_.read(place.entry);
-    place.is_read = true;
-  }
-
   HWY_INLINE Float spread(Float from, Float to, Float variance3) const {
     const Float width = hn::Sub(to, from);
     return hn::Sqrt(hn::MulAdd(hn::Mul(all(0.25f), width), width, variance3));
@@ -362,14 +490,29 @@ class Composite {
     return function_.invisible(hn::Sub(centre, half), hn::Add(centre, half));
   }
 
-  HWY_INLINE Matter spread_mean(Float from, Float to, Float variance3) const {
+  /// EntryPath::mean between two entries, of the lanes of `mask`.
+  HWY_INLINE Matter mean(Float from, Float to, Float variance3, Mask mask) const {
     const Float centre = hn::Mul(all(0.5f), hn::Add(from, to));
-    const Float half = spread(from, to, variance3);
-    return function_.mean(function_.read(hn::Sub(centre, half)), function_.read(hn::Add(centre, half)));
+    if constexpr (!kPlain) {
+      const Float half = spread(from, to, variance3);
+      from = hn::Sub(centre, half);
+      to = hn::Add(centre, half);
+    }
+    const Mask even = function_.is_even(from, to);
+    const bool some_even = !none(hn::And(mask, even)), all_even = none(hn::AndNot(even, mask));
+    Matter m;
+    if (some_even) m = function_.density_at(centre);
+    if (!all_even) {
+      const Matter wide = function_.mean(function_.read(from), function_.read(to));
+      m = some_even ? render::HWY_NAMESPACE::select(even, m, wide) : wide;
+    }
+    const Mask unseen = function_.invisible(from, to);
+    for (Float& part : m.part) part = hn::IfThenZeroElse(unseen, part);
+    return m;
   }
 
-  HWY_INLINE Span span_of(Float centre, Float begin, Float length, const Place& front,
-                          const Place& back) const {
+  HWY_INLINE Span span_of(Float centre, Float begin, Float length, const Place& front, const Place& back,
+                          Mask mask) const {
     Span span;
     span.centre = centre;
     span.begin = begin;
@@ -377,23 +520,17 @@ class Composite {
     span.from = front.entry;
     span.to = back.entry;
     span.longest = hn::Abs(hn::Sub(back.entry, front.entry));
-    if constexpr (kPlain) {
-      span.front = front.reading;
-      span.back = back.reading;
-      span.matter = function_.mean(span.front, span.back);
-    } else {
-      span.variance3 = variance3_of(front, back);
-      span.matter = spread_mean(span.from, span.to, span.variance3);
-    }
+    span.variance3 = variance3_of(front, back);
+    span.matter = mean(span.from, span.to, span.variance3, mask);
     return span;
   }
 
-  /// A step between two places that are read, of the lanes of `mask`.
+  /// A step between two places, of the lanes of `mask`.
   HWY_INLINE void composite_step(Float centre, const Place& front, const Place& back, Mask mask,
                                  Int& samples) {
     const Float units = all(batch_.units), one = all(1);
     const Float begin = hn::Sub(centre, all(0.5f));
-    const Span whole = span_of(centre, begin, one, front, back);
+    const Span whole = span_of(centre, begin, one, front, back, mask);
     const Float extinction = whole.matter.part[3];
     mask = hn::And(mask, hn::Gt(extinction, hn::Zero(kFloats)));
     if (none(mask)) return;
@@ -411,12 +548,11 @@ class Composite {
       mask = hn::And(mask, hn::And(hn::Le(all(cut), cuts), going()));
       if (none(mask)) break;
       const Float end = hn::MulAdd(all(cut), share, begin);
-      Place to = at(end);
+      const Place to = at(end);
       // A step that is not cut ends where it was sampled already.
       samples =
           hn::Sub(samples, hn::VecFromMask(kInts, hn::RebindMask(kInts, hn::And(mask, hn::Gt(cuts, one)))));
-      read(to);
-      const Span span = span_of(centre, hn::Sub(end, share), share, from, to);
+      const Span span = span_of(centre, hn::Sub(end, share), share, from, to, mask);
       composite_span(span, hn::Mul(units, share),
                      hn::And(mask, hn::Gt(span.matter.part[3], hn::Zero(kFloats))));
       from = to;
@@ -443,21 +579,12 @@ class Composite {
       count = static_cast<int>(hn::GetLane(hn::MaxOfLanes(kFloats, hn::IfThenElseZero(mask, parts))));
       const Float length = hn::Mul(hn::Sub(span.to, span.from), share);
       const Float depth = hn::Mul(units, share);
-      Reading low;
-      if constexpr (kPlain) low = span.front;
       Float left = one, moment = zero;
       for (int part = 0; part < count; ++part) {
         const Float number = all(static_cast<float>(part));
         const Float to = hn::MulAdd(hn::Add(number, one), length, span.from);
-        Matter here;
-        if constexpr (kPlain) {
-          const Reading high = function_.read(to);
-          here = function_.mean(low, high);
-          low = high;
-        } else {
-          here = spread_mean(hn::Sub(to, length), to, span.variance3);
-        }
-        matter[part] = select(parted, here, span.matter);
+        const Matter here = mean(hn::Sub(to, length), to, span.variance3, hn::And(mask, parted));
+        matter[part] = render::HWY_NAMESPACE::select(parted, here, span.matter);
         const Float seen = opacity_of(hn::Mul(matter[part].part[3], depth));
         opacity[part] = hn::IfThenElseZero(hn::Lt(number, parts), seen);
         const Float middle = hn::Mul(hn::Add(number, all(0.5f)), share);
@@ -473,21 +600,24 @@ class Composite {
     if (lit) shade = shade_at(held_in_voxel(span.centre, hn::MulAdd(seen_at, span.length, span.begin)));
     for (int part = 0; part < count; ++part) {
       const Matter& m = matter[part];
-      const Mask seen = hn::And(hn::And(mask, going()), hn::Gt(m.part[3], zero));
-      const Float weight = hn::IfThenElseZero(hn::And(seen, hn::Gt(opacity[part], zero)),
-                                              hn::Mul(hn::Sub(one, opacity_), opacity[part]));
+      // Lanes of no concern may hold anything: they are kept out by selection, not by a weight of 0.
+      const Mask seen =
+          hn::And(hn::And(mask, going()), hn::And(hn::Gt(m.part[3], zero), hn::Gt(opacity[part], zero)));
+      if (none(seen)) continue;
+      const Float weight = hn::Mul(hn::Sub(one, opacity_), opacity[part]);
       const Float of_color = hn::Div(weight, hn::IfThenElse(seen, m.part[3], one));
-      color_.x = gather_color(color_.x, m.part[0], of_color, weight, shade.body.x, shade.glint.x, lit);
-      color_.y = gather_color(color_.y, m.part[1], of_color, weight, shade.body.y, shade.glint.y, lit);
-      color_.z = gather_color(color_.z, m.part[2], of_color, weight, shade.body.z, shade.glint.z, lit);
-      opacity_ = hn::Add(opacity_, weight);
+      color_.x = gather_color(seen, color_.x, m.part[0], of_color, weight, shade.body.x, shade.glint.x, lit);
+      color_.y = gather_color(seen, color_.y, m.part[1], of_color, weight, shade.body.y, shade.glint.y, lit);
+      color_.z = gather_color(seen, color_.z, m.part[2], of_color, weight, shade.body.z, shade.glint.z, lit);
+      opacity_ = hn::IfThenElse(seen, hn::Add(opacity_, weight), opacity_);
     }
   }
 
-  HWY_INLINE static Float gather_color(Float sum, Float color, Float of_color, Float weight, Float body,
-                                       Float glint, bool lit) {
-    if (!lit) return hn::MulAdd(of_color, color, sum);
-    return hn::MulAdd(weight, glint, hn::MulAdd(hn::Mul(of_color, color), body, sum));
+  HWY_INLINE static Float gather_color(Mask seen, Float sum, Float color, Float of_color, Float weight,
+                                       Float body, Float glint, bool lit) {
+    const Float more = lit ? hn::MulAdd(weight, glint, hn::MulAdd(hn::Mul(of_color, color), body, sum))
+                           : hn::MulAdd(of_color, color, sum);
+    return hn::IfThenElse(seen, more, sum);
   }
 
   /// Stretch::held_in_voxel.

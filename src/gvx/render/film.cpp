@@ -40,6 +40,7 @@ double psnr(const Picture& a, const Picture& b) {
     sum += d * d;
   }
   const double mean = sum / (static_cast<double>(a.rgba.size()) * 3 / 4);
+  if (std::isnan(mean)) return 0;  // a pixel that is no number is as wrong as can be
   return mean > 0 ? -10 * std::log10(mean) : std::numeric_limits<double>::infinity();
 }
 

@@ -1,5 +1,8 @@
 #include "gvx/render/film.h"
 
+#include <cmath>
+#include <limits>
+
 #include <gtest/gtest.h>
 
 namespace gvx::render {
@@ -41,6 +44,15 @@ TEST(Picture, keeps_alpha_apart_for_png_and_multiplied_and_linear_for_exr) {
   EXPECT_NEAR(linear[0], 0.2140f * 0.5f, 1e-4f);
   EXPECT_NEAR(linear[1], 0.5f, 1e-6f);
   EXPECT_EQ(linear[3], 0.5f);
+}
+
+TEST(Psnr, is_of_what_is_seen_and_takes_no_number_for_right) {
+  Picture a{1, 1, {0.5f, 0.5f, 0.5f, 1}}, b = a;
+  EXPECT_EQ(psnr(a, b), std::numeric_limits<double>::infinity());
+  b.rgba[0] = 0.6f;
+  EXPECT_NEAR(psnr(a, b), -10 * std::log10(0.01 / 3), 1e-4);
+  b.rgba[0] = NAN;
+  EXPECT_EQ(psnr(a, b), 0);
 }
 
 }  // namespace

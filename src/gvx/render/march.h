@@ -45,6 +45,7 @@ class RayMarcher {
     ray_world_ = frame.camera.pixel_ray(pixel_x, pixel_y);
     ray_ = {frame.world_to_tree.point(ray_world_.origin), frame.world_to_tree.vector(ray_world_.direction)};
     inside_ = intersect(ray_, frame.box, 0, 1e300);
+    for (int axis = 0; axis < 3; ++axis) inverse_direction_[axis] = 1 / ray_.direction[axis];
   }
 
   /// Goes on until the ray is finished or lacks data, which it then asks for.
@@ -113,6 +114,7 @@ class RayMarcher {
     std::uint32_t lack = 0;  ///< what must be asked for at `node`
     NodeIndex node;
     int level = 0;        ///< of the node
+    double across = 1;    ///< nodes of that level along an axis
     double cell[3] = {};  ///< of the node, in nodes of its level
     BrickIndex slot;      ///< of the brick to sample
     int brick_level = 0;  ///< of that brick: the node's, or an ancestor's in a preview
@@ -130,7 +132,7 @@ class RayMarcher {
     const FrameView& frame = view_.frame;
     step.tick = state.tick;
     int level = frame.level_at(t_at(static_cast<double>(step.tick)));
-    while (step.tick % frame.stride[level] != 0) ++level;
+    while (frame.stride[level] != 1 && step.tick % frame.stride[level] != 0) ++level;
     step.level = level;
     step.stride = frame.stride[level];
     step.t_centre = t_at(static_cast<double>(step.tick) + 0.5 * static_cast<double>(step.stride));
@@ -149,13 +151,19 @@ class RayMarcher {
       const double handover = (from - inside_.enter) / frame.tick_world;
       if (handover < 9e15) {
         const std::int64_t multiple = frame.stride[step.blended ? level - 1 : level];
-        const auto at = static_cast<std::int64_t>(std::ceil(handover > 0 ? handover : 0));
+        const std::int64_t at = whole_above(handover > 0 ? handover : 0);
         const std::int64_t next = at > step.tick ? at : step.tick + 1;
         step.zone_end = (next + multiple - 1) / multiple * multiple;
       }
     }
     step.p = ray_.at(step.t_centre);
     return true;
+  }
+
+  /// The least whole number that is no less than x, from 0 to 2^62.
+  GVX_HD static std::int64_t whole_above(double x) {
+    const auto below = static_cast<std::int64_t>(x);
+    return below + (x > static_cast<double>(below) ? 1 : 0);
   }
 
   GVX_HD RayView ray_view() const { return {view_.frame, ray_world_, -Vec3f(ray_world_.direction)}; }
@@ -249,6 +257,7 @@ class RayMarcher {
         factor *= N;
       }
       ++place.level;
+      place.across *= N;
     }
   }
 
@@ -274,22 +283,21 @@ class RayMarcher {
     const int step_level = coarser ? place.brick_level : step.level;
     const std::int64_t stride = view_.frame.stride[step_level];
     const double t_step = view_.frame.tick_world * static_cast<double>(stride);
-    const double across = nodes_across(N, static_cast<std::uint32_t>(place.level));
-
     double t_exit = inside_.exit;
     for (int axis = 0; axis < 3; ++axis) {
       const double d = ray_.direction[axis];
       if (d == 0) continue;
-      const double face = (place.cell[axis] + (d > 0 ? 1 : 0)) / across;
-      const double t = (face - ray_.origin[axis]) / d;
+      const double face = (place.cell[axis] + (d > 0 ? 1 : 0)) / place.across;
+      const double t = (face - ray_.origin[axis]) * inverse_direction_[axis];
       t_exit = t < t_exit ? t : t_exit;
     }
-    double count = std::ceil((t_exit - step.t_centre) / t_step);
-    count = count > 1 ? count : 1;
-    const std::int64_t steps_to_zone_end = (step.zone_end - step.tick) / stride;  // both are multiples of it
-    const auto to_zone_end = static_cast<double>(steps_to_zone_end);
-    count = count < to_zone_end || coarser ? count : to_zone_end;
-    const auto steps = static_cast<std::int64_t>(count < 1e15 ? count : 1e15);
+    constexpr double kMostSteps = 1e15;
+    const double count = (t_exit - step.t_centre) / t_step;
+    std::int64_t steps = whole_above(count > 1 ? (count < kMostSteps ? count : kMostSteps) : 1);
+    if (!coarser && step.zone_end != INT64_MAX) {
+      const std::int64_t to_zone_end = (step.zone_end - step.tick) / stride;  // both are multiples of it
+      steps = steps < to_zone_end ? steps : to_zone_end;
+    }
 
     state.tick += steps * stride;
     if (place.kind == Place::constant) gather_constant(state, place, step.level, steps);
@@ -318,13 +326,14 @@ class RayMarcher {
   /// The path of the steps' centres through a brick of `level` that holds the node.
   GVX_HD BrickPath<Voxel, M> path_in(BrickIndex slot, int level, const Step& step, const Place& place,
                                      double t_step) const {
-    const double across = nodes_across(N, static_cast<std::uint32_t>(level));
-    const double shrink = nodes_across(N, static_cast<std::uint32_t>(place.level - level));
+    double shrink = 1;
+    for (int l = level; l < place.level; ++l) shrink *= N;
+    const double across = place.across / shrink;
     BrickPath<Voxel, M> path;
     path.brick = view_.bricks.brick(slot);
     path.voxels_across = static_cast<float>(across * M);
     for (int axis = 0; axis < 3; ++axis) {
-      const double corner = std::floor(place.cell[axis] / shrink);
+      const auto corner = static_cast<double>(static_cast<std::int64_t>(place.cell[axis] / shrink));
       path.first[axis] = static_cast<float>((step.p[axis] * across - corner) * M);
       path.per_step[axis] = static_cast<float>(ray_.direction[axis] * t_step * across * M);
     }
@@ -364,8 +373,9 @@ class RayMarcher {
 
   const PassView<Voxel, N, M>& view_;
   Ray ray_world_;
-  Ray ray_;             // in tree space; t is the distance in the world
-  RayInterval inside_;  // of the visible volume
+  Ray ray_;                  // in tree space; t is the distance in the world
+  Vec3d inverse_direction_;  // infinite where a direction is 0
+  RayInterval inside_;       // of the visible volume
 };
 
 }  // namespace gvx::render

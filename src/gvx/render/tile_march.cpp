@@ -1,5 +1,6 @@
 #include "gvx/render/tile_march.h"
 
+#include <array>
 #include <atomic>
 #include <memory>
 #include <vector>
@@ -28,7 +29,7 @@ class TileMarcher {
   void add(std::uint32_t x, std::uint32_t y, RayState& state) {
     if (state.phase == RayPhase::finished) return;
     rays_.push_back({{view_, double(x), double(y)}, &state, {}});
-    if (rays_.back().marcher.next_stretch(state, rays_.back().stretch)) waiting_.push_back(rays_.size() - 1);
+    advance(static_cast<std::uint32_t>(rays_.size() - 1));
   }
 
   /// Marches until no ray has anything to go through, or the deadline, at which rays step back before what
@@ -39,8 +40,8 @@ class TileMarcher {
       composite_batch(view_.frame, batch_);
       take_back();
     }
-    for (const std::size_t i : waiting_) {
-      const TileRay& ray = rays_[i];
+    for (const Waiting& waiting : waiting_) {
+      const TileRay& ray = rays_[waiting.ray];
       ray.state->tick -= ray.stretch.steps * view_.frame.stride[ray.stretch.level];
     }
     waiting_.clear();
@@ -53,17 +54,31 @@ class TileMarcher {
     Stretch<Voxel, M> stretch;
   };
 
-  static bool together(const Stretch<Voxel, M>& a, const Stretch<Voxel, M>& b) {
-    return a.fine.brick.voxels == b.fine.brick.voxels && a.level == b.level && a.blended == b.blended;
+  /// A ray before its next stretch: what the order of bricks is made of, close together.
+  struct Waiting {
+    float t;
+    std::uint32_t ray;
+    const Voxel* brick;
+    bool blended;
+
+    bool goes_with(const Waiting& other) const { return brick == other.brick && blended == other.blended; }
+  };
+
+  /// To the ray's next stretch, if it has one.
+  void advance(std::uint32_t index) {
+    TileRay& ray = rays_[index];
+    if (!ray.marcher.next_stretch(*ray.state, ray.stretch)) return;
+    const Stretch<Voxel, M>& s = ray.stretch;
+    waiting_.push_back({static_cast<float>(s.t_centre), index, s.fine.brick.voxels, s.blended});
   }
 
   /// Puts all rays before the brick that is nearest to one of them into the batch.
   void gather_nearest() {
-    std::size_t nearest = waiting_.front();
-    for (const std::size_t i : waiting_) {
-      if (rays_[i].stretch.t_centre < rays_[nearest].stretch.t_centre) nearest = i;
+    Waiting nearest = waiting_.front();
+    for (const Waiting& waiting : waiting_) {
+      if (waiting.t < nearest.t) nearest = waiting;
     }
-    const Stretch<Voxel, M>& chosen = rays_[nearest].stretch;
+    const Stretch<Voxel, M>& chosen = rays_[nearest.ray].stretch;
     const FrameView& frame = view_.frame;
     batch_.units = frame.units_per_tick * static_cast<float>(frame.stride[chosen.level]);
     batch_.blended = chosen.blended;
@@ -78,15 +93,32 @@ class TileMarcher {
     batch_.count = 0;
     chosen_.clear();
     std::size_t others = 0;
-    for (const std::size_t i : waiting_) {
-      if (together(rays_[i].stretch, chosen)) {
-        put(rays_[i], batch_.count++);
-        chosen_.push_back(i);
+    for (const Waiting& waiting : waiting_) {
+      if (waiting.goes_with(nearest)) {
+        chosen_.push_back(waiting.ray);
       } else {
-        waiting_[others++] = i;
+        waiting_[others++] = waiting;
       }
     }
     waiting_.resize(others);
+    order_by_steps();
+    for (const std::uint32_t ray : chosen_) put(rays_[ray], batch_.count++);
+  }
+
+  /// Rays of a vector go as far as the one that goes farthest: those that go as far are put together.
+  void order_by_steps() {
+    constexpr std::int64_t kLengths = 128;
+    const auto length_of = [&](std::uint32_t ray) {
+      const std::int64_t steps = rays_[ray].stretch.steps;
+      return static_cast<std::size_t>(steps < kLengths ? steps : kLengths - 1);
+    };
+    std::array<std::uint16_t, kLengths + 1> first{};
+    for (const std::uint32_t ray : chosen_) ++first[length_of(ray) + 1];
+    for (std::size_t i = 1; i < first.size(); ++i)
+      first[i] = static_cast<std::uint16_t>(first[i] + first[i - 1]);
+    ordered_.resize(chosen_.size());
+    for (const std::uint32_t ray : chosen_) ordered_[first[length_of(ray)]++] = ray;
+    chosen_.swap(ordered_);
   }
 
   void put(const TileRay& ray, std::size_t lane) {
@@ -128,14 +160,14 @@ class TileMarcher {
       state.opacity = batch_.opacity[lane];
       state.samples = static_cast<std::uint32_t>(batch_.samples[lane]);
       if (state.opacity >= kOpaque) state.phase = RayPhase::finished;
-      if (ray.marcher.next_stretch(state, ray.stretch)) waiting_.push_back(chosen_[lane]);
+      advance(chosen_[lane]);
     }
   }
 
   const PassView<Voxel, N, M>& view_;
   std::vector<TileRay> rays_;
-  std::vector<std::size_t> waiting_;  // rays before their next stretch
-  std::vector<std::size_t> chosen_;   // those in the batch
+  std::vector<Waiting> waiting_;
+  std::vector<std::uint32_t> chosen_, ordered_;  // the rays in the batch
   StretchBatch batch_;
 };
 

@@ -110,6 +110,32 @@ void count_visible(TransferTable& table) {
   }
 }
 
+/// The greatest power of two of entries over which no mean is farther from the middle than a small share of
+/// the greatest.
+float even_width_of(const TransferTable& table) {
+  constexpr double kTolerance = 1.0 / 1024;
+  const std::size_t entries = table.integral.size();
+  float width = TransferView::kNarrow;
+  for (std::size_t half = 1; 2 * half < entries; half *= 2) {
+    for (std::size_t part = 0; part < 4; ++part) {
+      double greatest = 0;
+      for (const TransferView::Integral& entry : table.integral) {
+        greatest = std::max(greatest, double(entry.density[part]));
+      }
+      // A density is of the half entry to either side of its own middle.
+      for (std::size_t i = half; i + half < entries; ++i) {
+        const std::uint32_t sum = table.integral[i + half].sum[part] - table.integral[i - half].sum[part];
+        const double mean = sum * double(table.integral_unit) / double(2 * half);
+        const double middle =
+            0.5 * (double(table.integral[i].density[part]) + table.integral[i - 1].density[part]);
+        if (std::abs(mean - middle) > kTolerance * greatest) return width;
+      }
+    }
+    width = static_cast<float>(2 * half);
+  }
+  return width;
+}
+
 }  // namespace
 
 TransferView TransferTable::view() const {
@@ -123,6 +149,7 @@ TransferView TransferTable::view() const {
   v.integrals_per_unit = integral_unit > 0 ? 1 / integral_unit : 0;
   v.first_visible = first_visible;
   v.last_visible = last_visible;
+  v.even_width = even_width;
   v.to_entry_scale = to_entry_scale;
   v.to_entry_offset = to_entry_offset;
   v.to_gradient_entry = to_gradient_entry;
@@ -166,6 +193,7 @@ TransferTable bake(const TransferFunction& function, double scale, double offset
       sum[c] += mean[c];
     }
   }
+  table.even_width = even_width_of(table);
   if (!function.gradients.empty()) {
     const double steepest = std::max(function.gradients.back().gradient, 1e-30);
     for (int i = 0; i < TransferView::kGradientEntries; ++i) {

@@ -94,12 +94,13 @@ struct TransferView {
   int entries = 0;
   float integral_unit = 0, integrals_per_unit = 0;  ///< one is the other's inverse
   float first_visible = 0, last_visible = 0;        ///< entries below and above these cannot be seen
+  float even_width = 0;  ///< intervals of no more entries than this are taken to be even
   float to_entry_scale = 0, to_entry_offset = 0;
   float to_gradient_entry = 0;  ///< from a gradient in stored values per world unit
 
   static constexpr int kEntries = 4096;  ///< of a table of scalars; labels have one each
   static constexpr int kGradientEntries = 256;
-  /// So narrow, in entries, the integrals' differences would be of few of their units.
+  /// So narrow, in entries, the integrals' differences would be of few of their units: even_width is no less.
   static constexpr float kNarrow = 0.125f;
 
   GVX_HD float entry_of(float stored) const { return stored * to_entry_scale + to_entry_offset; }
@@ -114,7 +115,6 @@ struct TransferView {
   struct Reading {
     float entry = 0;
     std::uint32_t sum[4] = {};
-    float density[4] = {};
   };
 
   GVX_HD Reading read(float entry) const {
@@ -124,23 +124,19 @@ struct TransferView {
     Reading reading;
     reading.entry = entry;
     for (int i = 0; i < 4; ++i) {
-      reading.density[i] = at.density[i];
       reading.sum[i] =
           at.sum[i] + static_cast<std::uint32_t>(static_cast<std::int32_t>(units * at.density[i]));
     }
     return reading;
   }
 
-  /// The mean matter of the entries between two readings, which are equally likely.
+  /// The mean matter of the entries between two readings, which are equally likely and more than kNarrow
+  /// apart.
   GVX_HD Matter mean(const Reading& a, const Reading& b) const {
     const float last = static_cast<float>(entries - 1);
     const float width = b.entry - a.entry;
-    float sum[4];
-    if (!(std::fabs(width) > kNarrow)) {
-      for (int i = 0; i < 4; ++i) sum[i] = 0.5f * (a.density[i] + b.density[i]);
-      return {{sum[0], sum[1], sum[2]}, sum[3]};
-    }
     const float scale = integral_unit / width;
+    float sum[4];
     for (int i = 0; i < 4; ++i) {
       sum[i] = scale * static_cast<float>(static_cast<std::int32_t>(b.sum[i] - a.sum[i]));
     }
@@ -150,6 +146,22 @@ struct TransferView {
     if (before != 0.0f) m = mix(m, m + matter[0], before / width);
     if (behind != 0.0f) m = mix(m, m + matter[entries - 1], behind / width);
     return m;
+  }
+
+  /// The mean matter of the entries from one to another.
+  GVX_HD Matter mean(float from, float to) const {
+    if (invisible(from, to)) return {};
+    return is_even(from, to) ? density_at(0.5f * (from + to)) : mean(read(from), read(to));
+  }
+
+  /// Is the function so even between two entries that its mean there is what it is half way?
+  GVX_HD bool is_even(float from, float to) const { return !(std::fabs(to - from) > even_width); }
+
+  /// The mean matter of as little around an entry as the table tells apart.
+  GVX_HD Matter density_at(float entry) const {
+    const float* density =
+        integral[static_cast<int>(clamped(entry, static_cast<float>(entries - 1)))].density;
+    return {{density[0], density[1], density[2]}, density[3]};
   }
 
   /// Can no value between two entries be seen? Conservative: true is certain.
@@ -186,7 +198,6 @@ struct TransferView {
   }
 
  private:
-
   /// Between two entries.
   struct Place {
     int low;
@@ -215,6 +226,7 @@ struct TransferTable {
   std::vector<float> gradient_factor;  ///< empty where the gradient does not matter
   float integral_unit = 0;
   float first_visible = 0, last_visible = 0;
+  float even_width = 0;
   float to_entry_scale = 0, to_entry_offset = 0;
   float to_gradient_entry = 0;
 

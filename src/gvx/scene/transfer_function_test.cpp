@@ -66,7 +66,7 @@ TEST(TransferTable, means_are_those_of_the_function_wherever_the_interval) {
         extinction += e / kParts;
         green += e * tent().color(v).y / kParts;
       }
-      const Matter m = view.mean(view.read(entry(a)), view.read(entry(b)));
+      const Matter m = view.mean(entry(a), entry(b));
       // A step of the function is placed to a quarter of an entry.
       const double tolerance = 2e-3 + 16 * 0.02 / std::max(std::abs(b - a), 0.02);
       ASSERT_NEAR(m.extinction, extinction, tolerance) << a << ' ' << b;
@@ -81,7 +81,7 @@ TEST(TransferTable, small_means_survive_large_ones_below_them) {
   const TransferTable table = bake(f, 1, 0, 16);
   const TransferView view = table.view();
   for (float v = 510; v < 980; v += 7.3f) {
-    const Matter m = view.mean(view.read(view.entry_of(v)), view.read(view.entry_of(v + 3)));
+    const Matter m = view.mean(view.entry_of(v), view.entry_of(v + 3));
     EXPECT_NEAR(m.extinction, 1e-4, 5e-6) << v;
   }
 }
@@ -103,7 +103,7 @@ TEST(TransferTable, transparency_is_conservative) {
         ASSERT_EQ(view.at(view.entry_of(stored)).extinction, 0.0f);
       }
       const float ends[2] = {view.entry_of(range.minimum), view.entry_of(range.maximum)};
-      ASSERT_EQ(view.mean(view.read(ends[0]), view.read(ends[1])).extinction, 0.0f);
+      ASSERT_EQ(view.mean(ends[0], ends[1]).extinction, 0.0f);
     }
     EXPECT_GT(transparent, 1000);
   }

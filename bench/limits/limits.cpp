@@ -1,0 +1,142 @@
+// How near is the renderer to the processor's limit? Samples per second of the compositing of one brick that
+// stays in the nearest cache, every lane of the vectors busy: the roof; and of whole warm frames, median of
+// several, as a share of it. One thread, finest level, two samples a voxel. Prints a markdown table.
+//
+//     gvx_bench_limits STORE.gvx [SIZE [FRAMES]]
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "gvx/engine/engine.h"
+#include "gvx/produce/store_producer.h"
+#include "gvx/render/stretch_batch.h"
+#include "gvx/store/store_reader.h"
+
+namespace {
+
+using namespace gvx;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+scene::TransferFunction translucent(double first, double last) {
+  return {{{first, {0.2, 0.3, 0.9}}, {last, {1, 0.9, 0.7}}}, {{first, 0}, {last, 0.02}}, 0};
+}
+
+/// Samples a second through a brick of random voxels.
+double roof(const render::FrameView& frame, ValueRange range, std::uint32_t m) {
+  std::vector<std::byte> brick(brick_bytes(frame.format, m) + 64);
+  std::mt19937 random(1);
+  with_voxel_type(frame.format.type, [&](auto voxel) {
+    for (std::size_t i = 0; i < plane_texels(m); ++i) {
+      // A slope with little noise: neighbours are alike, as in data.
+      const float share = float(i) / float(plane_texels(m)) + 0.03f * float(random() % 100) / 100;
+      voxel = static_cast<decltype(voxel)>(range.minimum + share * (range.maximum - range.minimum) / 1.03f);
+      std::memcpy(&brick[i * sizeof(voxel)], &voxel, sizeof(voxel));
+    }
+  });
+  auto batch = std::make_unique<render::StretchBatch>();
+  batch->m = m;
+  batch->units = 0.5f;
+  batch->fine.brick = brick.data();
+  batch->fine.gradient_scale = 1;
+  batch->count = render::StretchBatch::kMost;
+  const std::int32_t steps = static_cast<std::int32_t>(2 * m);
+  std::vector<double> rates;
+  for (int repeat = 0; repeat < 40; ++repeat) {
+    for (std::uint32_t i = 0; i < batch->count; ++i) {
+      const float x = float(i % 16) / 16, y = float(i / 16) / 16;
+      const float first[3] = {x * float(m), y * float(m), 0.25f}, per_step[3] = {0, 0, 0.5f};
+      for (int axis = 0; axis < 3; ++axis) {
+        batch->fine.first[axis][i] = first[axis];
+        batch->fine.per_step[axis][i] = per_step[axis];
+        batch->color[axis][i] = 0;
+        batch->to_eye[axis][i] = axis == 2 ? -1.0f : 0.0f;
+        batch->place[axis][i] = batch->place_per_step[axis][i] = 0;
+      }
+      batch->opacity[i] = 0;
+      batch->samples[i] = 0;
+      batch->steps[i] = steps;
+    }
+    const auto start = std::chrono::steady_clock::now();
+    render::composite_batch(frame, *batch);
+    const double seconds = seconds_since(start);
+    double samples = 0;
+    for (std::uint32_t i = 0; i < batch->count; ++i) samples += batch->samples[i];
+    rates.push_back(samples / seconds);
+  }
+  return median(rates);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2 || argc > 4) {
+    std::fprintf(stderr, "usage: gvx_bench_limits STORE.gvx [SIZE [FRAMES]]\n");
+    return 2;
+  }
+  const std::uint32_t size = argc > 2 ? static_cast<std::uint32_t>(std::atoi(argv[2])) : 1024;
+  const int frames = argc > 3 ? std::atoi(argv[3]) : 5;
+  auto reader = store::StoreReader::open(argv[1]);
+  if (!reader.ok() || size == 0 || size > 16384 || frames < 1) {
+    std::fprintf(stderr, "%s\n",
+                 reader.ok() ? "SIZE or FRAMES: out of range" : reader.error().message.c_str());
+    return 1;
+  }
+  auto producer = std::make_shared<produce::StoreProducer>(std::move(reader).value());
+  const produce::TreeDescription tree = producer->description();
+  const exec::Device cpu = exec::Device::cpu(1);
+  const auto engine = engine::Engine::create(cpu, producer, {4ull << 30, {}}).value();
+  render::View view;
+  view.width = view.height = size;
+  view.level_of_detail = false;
+  const ValueRange range = tree.ranges.channel[0];
+  const double first = tree.scale * range.minimum + tree.offset,
+               last = tree.scale * range.maximum + tree.offset;
+  const double middle = 0.5 * (first + last);
+  scene::TransferFunction surface = translucent(first, last);
+  surface.opacities = {{middle, 0}, {middle + 0.02 * (last - first), 0.9}};
+  const scene::Camera framed = scene::frame_box(tree.extent, tree.tree_to_world, tree.anatomical, 1);
+  std::printf(
+      "| function | light | roof, M samples/s | frame, ms | M samples | M samples/s | share "
+      "|\n|---|---|---|---|---|---|---|\n");
+  for (const bool is_surface : {true, false}) {
+    for (const bool lit : {false, true}) {
+      view.functions = {is_surface ? surface : translucent(first, last)};
+      view.lighting.enabled = lit;
+      std::vector<double> times;
+      double samples = 0;
+      for (int frame = 0; frame <= frames; ++frame) {
+        view.camera = framed;
+        view.camera.eye.x += frame % 2 == 0 ? 0 : 1e-6 * length(framed.eye - framed.target);
+        const auto start = std::chrono::steady_clock::now();
+        if (!engine->look(view).ok() || !engine->render_exact().ok()) return 1;
+        if (frame > 0) times.push_back(seconds_since(start));
+        samples = static_cast<double>(engine->statistics().samples);
+      }
+      const render::TreePlacement placement{int(tree.n), int(tree.m),        int(tree.max_level),
+                                            tree.format, tree.tree_to_world, tree.extent,
+                                            tree.scale,  tree.offset,        tree.ranges};
+      const auto frame = render::Frame::make(cpu, view, placement);
+      const double limit = roof(frame.value().view(), range, static_cast<std::uint32_t>(tree.m));
+      const double rate = samples / median(times);
+      std::printf("| %s | %s | %.0f | %.1f | %.1f | %.0f | %.2f |\n", is_surface ? "surface" : "translucent",
+                  lit ? "lit" : "unlit", limit / 1e6, 1e3 * median(times), samples / 1e6, rate / 1e6,
+                  rate / limit);
+      std::fflush(stdout);
+    }
+  }
+  return 0;
+}
