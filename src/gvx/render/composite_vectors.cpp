@@ -315,7 +315,11 @@ class Function {
   }
 
   HWY_INLINE Mask is_even(Float from, Float to) const {
-    return hn::Le(hn::Abs(hn::Sub(to, from)), all(view_.even_width));
+    const Float width = hn::Abs(hn::Sub(to, from)), lower = hn::Min(from, to), upper = hn::Max(from, to);
+    const Mask inside =
+        hn::And(hn::Ge(lower, hn::Zero(kFloats)), hn::Le(upper, all(static_cast<float>(view_.entries - 1))));
+    const Float most = hn::IfThenElse(inside, all(view_.even_width_inside), all(view_.even_width));
+    return hn::Or(hn::Le(width, most), hn::Ge(lower, all(view_.even_above)));
   }
 
   HWY_INLINE Matter density_at(Float entry) const {
@@ -498,16 +502,18 @@ class Composite {
       from = hn::Sub(centre, half);
       to = hn::Add(centre, half);
     }
+    Matter m;
+    for (Float& part : m.part) part = hn::Zero(kFloats);
+    mask = hn::AndNot(function_.invisible(from, to), mask);
+    if (none(mask)) return m;
     const Mask even = function_.is_even(from, to);
     const bool some_even = !none(hn::And(mask, even)), all_even = none(hn::AndNot(even, mask));
-    Matter m;
     if (some_even) m = function_.density_at(centre);
     if (!all_even) {
       const Matter wide = function_.mean(function_.read(from), function_.read(to));
       m = some_even ? render::HWY_NAMESPACE::select(even, m, wide) : wide;
     }
-    const Mask unseen = function_.invisible(from, to);
-    for (Float& part : m.part) part = hn::IfThenZeroElse(unseen, part);
+    for (Float& part : m.part) part = hn::IfThenElseZero(mask, part);
     return m;
   }
 

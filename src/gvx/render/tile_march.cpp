@@ -168,7 +168,7 @@ class TileMarcher {
   std::vector<TileRay> rays_;
   std::vector<Waiting> waiting_;
   std::vector<std::uint32_t> chosen_, ordered_;  // the rays in the batch
-  StretchBatch batch_;
+  StretchBatch batch_{};
 };
 
 template <typename Voxel, int N, int M>

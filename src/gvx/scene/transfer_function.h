@@ -94,7 +94,9 @@ struct TransferView {
   int entries = 0;
   float integral_unit = 0, integrals_per_unit = 0;  ///< one is the other's inverse
   float first_visible = 0, last_visible = 0;        ///< entries below and above these cannot be seen
-  float even_width = 0;  ///< intervals of no more entries than this are taken to be even
+  float even_width = 0;         ///< intervals of no more entries than this are taken to be even
+  float even_width_inside = 0;  ///< and of no more than this where both are of the table
+  float even_above = 0;         ///< and all that begin no lower than this entry
   float to_entry_scale = 0, to_entry_offset = 0;
   float to_gradient_entry = 0;  ///< from a gradient in stored values per world unit
 
@@ -155,7 +157,11 @@ struct TransferView {
   }
 
   /// Is the function so even between two entries that its mean there is what it is half way?
-  GVX_HD bool is_even(float from, float to) const { return !(std::fabs(to - from) > even_width); }
+  GVX_HD bool is_even(float from, float to) const {
+    const float width = std::fabs(to - from), lower = std::fmin(from, to), upper = std::fmax(from, to);
+    const bool inside = lower >= 0.0f && upper <= static_cast<float>(entries - 1);
+    return !(width > (inside ? even_width_inside : even_width)) || lower >= even_above;
+  }
 
   /// The mean matter of as little around an entry as the table tells apart.
   GVX_HD Matter density_at(float entry) const {
@@ -226,7 +232,7 @@ struct TransferTable {
   std::vector<float> gradient_factor;  ///< empty where the gradient does not matter
   float integral_unit = 0;
   float first_visible = 0, last_visible = 0;
-  float even_width = 0;
+  float even_width = 0, even_width_inside = 0, even_above = 0;
   float to_entry_scale = 0, to_entry_offset = 0;
   float to_gradient_entry = 0;
 

@@ -75,6 +75,31 @@ TEST(TransferTable, means_are_those_of_the_function_wherever_the_interval) {
   }
 }
 
+TEST(TransferTable, even_functions_are_looked_up_half_way_but_not_across_their_ends) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> value(-60, 160);
+  const TransferFunction ramp = {{{0, {1, 1, 1}}}, {{0, 0}, {100, 0.02}}, 0};
+  const TransferFunction step = {{{0, {1, 1, 1}}}, {{0, 0}, {40, 0}, {44, 0.9}, {100, 0.9}}, 0};
+  for (const TransferFunction& function : {ramp, step}) {
+    const TransferTable table = bake(function, 1, 0, 16);
+    const TransferView view = table.view();
+    const double greatest = -std::log1p(-function.opacities.back().opacity);
+    int even = 0;
+    for (int i = 0; i < 3000; ++i) {
+      const float a = value(random), b = i % 2 == 0 ? value(random) : a + 0.05f * value(random);
+      even += view.is_even(view.entry_of(a), view.entry_of(b)) ? 1 : 0;
+      double extinction = 0;
+      constexpr int kParts = 2000;
+      for (int k = 0; k < kParts; ++k) {
+        extinction -= std::log1p(-function.opacity(a + (double(b) - a) * (k + 0.5) / kParts)) / kParts;
+      }
+      ASSERT_NEAR(view.mean(view.entry_of(a), view.entry_of(b)).extinction, extinction, 3e-3 * greatest)
+          << a << ' ' << b;
+    }
+    EXPECT_GT(even, 300);
+  }
+}
+
 TEST(TransferTable, small_means_survive_large_ones_below_them) {
   // Floats would lose the faint matter behind a thousand opaque entries.
   const TransferFunction f = {{{0, {1, 1, 1}}}, {{0, 1}, {500, 1}, {500, 1e-4}, {1000, 1e-4}}, 0};
