@@ -37,7 +37,7 @@ scene::TransferFunction translucent(double first, double last) {
 
 /// Samples a second through a brick of random voxels.
 double roof(const render::FrameView& frame, ValueRange range, std::uint32_t m) {
-  std::vector<std::byte> brick(brick_bytes(frame.format, m) + 64);
+  std::vector<std::byte> brick(brick_bytes(frame.format, m));
   std::mt19937 random(1);
   with_voxel_type(frame.format.type, [&](auto voxel) {
     for (std::size_t i = 0; i < plane_texels(m); ++i) {

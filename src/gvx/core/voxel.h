@@ -13,7 +13,7 @@
 ///     float unit | (m/2+2)^3 bytes c, x fastest; the deviation is unit * deviation_of_code(c)
 ///
 /// Codes are small floating-point numbers and units powers of two, so that two bricks round a deviation to
-/// the same number whatever else they hold: no seam shows between them.
+/// the same number whatever else they hold, but for a few units: no seam shows between them.
 #pragma once
 
 #include <cstddef>

@@ -4,8 +4,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <type_traits>
 #include <utility>
@@ -37,13 +39,18 @@ class Buffer {
   Buffer() = default;
   Buffer(const Device& device, std::size_t size) : kind_(device.kind()), size_(size) {
     if (size == 0) return;
+    static_assert(alignof(T) <= kAlignment);
+    if (size > (SIZE_MAX - kAlignment) / sizeof(T)) throw std::bad_alloc();
     const std::size_t bytes = size * sizeof(T);
     // calloc leaves pages untouched until they are used: a pool costs what is resident in it.
-    void* memory =
-        kind_ == DeviceKind::cuda ? cuda_support::allocate_shared(bytes) : std::calloc(size, sizeof(T));
-    if (memory == nullptr) throw std::bad_alloc();
-    if (kind_ == DeviceKind::cuda) std::memset(memory, 0, bytes);
-    data_ = static_cast<T*>(memory);
+    memory_ =
+        kind_ == DeviceKind::cuda ? cuda_support::allocate_shared(bytes) : std::calloc(1, bytes + kAlignment);
+    if (memory_ == nullptr) throw std::bad_alloc();
+    if (kind_ == DeviceKind::cuda) std::memset(memory_, 0, bytes);
+    void* aligned = memory_;
+    std::size_t room = bytes + kAlignment;
+    data_ =
+        static_cast<T*>(kind_ == DeviceKind::cuda ? memory_ : std::align(kAlignment, bytes, aligned, room));
   }
   Buffer(Buffer&& other) noexcept { swap(other); }
   Buffer& operator=(Buffer&& other) noexcept {
@@ -52,9 +59,9 @@ class Buffer {
   }
   ~Buffer() {
     if (kind_ == DeviceKind::cuda) {
-      cuda_support::free_shared(data_);
+      cuda_support::free_shared(memory_);
     } else {
-      std::free(data_);
+      std::free(memory_);
     }
   }
 
@@ -65,11 +72,16 @@ class Buffer {
  private:
   void swap(Buffer& other) noexcept {
     std::swap(kind_, other.kind_);
+    std::swap(memory_, other.memory_);
     std::swap(data_, other.data_);
     std::swap(size_, other.size_);
   }
 
+  // A cache line's: what is made of such pieces straddles none.
+  static constexpr std::size_t kAlignment = 64;
+
   DeviceKind kind_ = DeviceKind::cpu;
+  void* memory_ = nullptr;
   T* data_ = nullptr;
   std::size_t size_ = 0;
 };

@@ -119,9 +119,11 @@ GVX_HD void composite_span(const RayView& ray, const Stretch<Voxel, M>& s, const
     for (std::uint32_t c = 0; c < channels; ++c) {
       if (!(span.matter[c].extinction > 0.0f)) continue;
       const Vec3f gradient = gradient_at(s, c, i, blend);
-      const float steep = s.gradient_scale(frame, blend) * length(gradient);
-      const float certainty = scene::surface_certainty(steep, frame.soft_gradient[c]);
-      shade[c] = ray.shade(gradient, certainty, s.t_at(i));
+      // Squares of very large or small values would be no numbers.
+      const Vec3f relative = gradient / frame.soft_gradient[c];
+      const float certainty =
+          scene::surface_certainty(s.gradient_scale(frame, blend) * length(relative), 1.0f);
+      shade[c] = ray.shade(relative, certainty, s.t_at(i));
       if (visibility.functions[c].gradient_factor == nullptr) continue;
       const float voxels = s.fine.voxels_across * (1 - blend) + s.coarse.voxels_across * blend;
       const Vec3f world = Vec3f(frame.world_to_tree.transposed_vector(Vec3d(gradient)));

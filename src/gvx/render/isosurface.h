@@ -42,7 +42,7 @@ GVX_HD void find_surface(const RayView& ray, const Stretch<Voxel, M>& s, RayStat
     if ((front < 0.0f) != (back < 0.0f)) {
       const float hit = crossing(ray, s, i - 0.5f, front, i + 0.5f, back);
       const float lit = s.held_in_voxel(i, hit);
-      const Vec3f gradient = gradient_at(s, 0, lit, s.blend_at(frame, lit));
+      const Vec3f gradient = gradient_at(s, 0, lit, s.blend_at(frame, lit)) / frame.soft_gradient[0];
       const scene::Shade<float> shade = ray.shade(gradient, 1, s.t_at(hit));
       add(state, frame.iso_color * shade.body + shade.glint, 1);
       return;

@@ -299,6 +299,9 @@ class RayMarcher {
       steps = steps < to_zone_end ? steps : to_zone_end;
     }
 
+    // Steps within a stretch are counted in floats.
+    constexpr std::int64_t kMostInBrick = 1 << 22;
+    if (place.kind == Place::brick) steps = steps < kMostInBrick ? steps : kMostInBrick;
     state.tick += steps * stride;
     if (place.kind == Place::constant) gather_constant(state, place, step.level, steps);
     if (place.kind != Place::brick) return false;

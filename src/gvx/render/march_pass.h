@@ -39,7 +39,7 @@ struct Pass {
 
 /// Marches the exact rays of the listed tiles; sets unfinished[tile] = 1 where a ray of the tile is not
 /// finished. `unfinished` has an entry per tile of the grid. Returns whether all tiles were begun before the
-/// deadline.
+/// deadline; one that was begun has come further, though not always to its end.
 bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
                  exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
                  exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished);

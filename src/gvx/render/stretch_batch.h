@@ -6,8 +6,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
-#include <vector>
 
 #include "gvx/render/frame.h"
 
@@ -50,6 +48,9 @@ struct StretchBatch {
 
 /// Are there vectors for this way to look? Scalars of one channel, composited, without opacity by gradient.
 bool composites_batches(const FrameView& frame);
+
+/// The name of the instruction set whose vectors composite_batch uses: "AVX3", "AVX2", "SSE4", "NEON"..
+const char* instruction_set();
 
 /// Adds what is seen of every ray's stretch to what it has gathered. A ray's bits do not depend on the others
 /// in the batch. Only where composites_batches(frame).

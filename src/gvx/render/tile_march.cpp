@@ -35,10 +35,12 @@ class TileMarcher {
   /// Marches until no ray has anything to go through, or the deadline, at which rays step back before what
   /// they were to go through.
   void march(exec::Deadline deadline) {
-    while (!waiting_.empty() && !late(deadline)) {
+    bool in_time = true;
+    while (in_time && !waiting_.empty()) {
       gather_nearest();
       composite_batch(view_.frame, batch_);
       take_back();
+      in_time = !late(deadline);
     }
     for (const Waiting& waiting : waiting_) {
       const TileRay& ray = rays_[waiting.ray];
@@ -59,9 +61,13 @@ class TileMarcher {
     float t;
     std::uint32_t ray;
     const Voxel* brick;
-    bool blended;
+    int level;
+    bool blended, deviates;
 
-    bool goes_with(const Waiting& other) const { return brick == other.brick && blended == other.blended; }
+    bool goes_with(const Waiting& other) const {
+      return brick == other.brick && level == other.level && blended == other.blended &&
+             deviates == other.deviates;
+    }
   };
 
   /// To the ray's next stretch, if it has one.
@@ -69,7 +75,8 @@ class TileMarcher {
     TileRay& ray = rays_[index];
     if (!ray.marcher.next_stretch(*ray.state, ray.stretch)) return;
     const Stretch<Voxel, M>& s = ray.stretch;
-    waiting_.push_back({static_cast<float>(s.t_centre), index, s.fine.brick.voxels, s.blended});
+    waiting_.push_back(
+        {static_cast<float>(s.t_centre), index, s.fine.brick.voxels, s.level, s.blended, s.fine_deviates});
   }
 
   /// Puts all rays before the brick that is nearest to one of them into the batch.

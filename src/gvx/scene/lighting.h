@@ -45,7 +45,9 @@ struct Lighting {
 /// half of one: noise has gradients too, but none that mean anything.
 template <typename Real>
 GVX_HD inline Real surface_certainty(Real gradient, Real soft) {
-  return gradient * gradient / (gradient * gradient + soft * soft);
+  const Real ratio = gradient / soft;
+  const Real held = ratio < Real(1e15) ? ratio : Real(1e15);  // its square is a number
+  return held * held / (held * held + 1);
 }
 
 /// A surface crosses the values that a transfer function tells apart within a few voxels; this share of them

@@ -125,15 +125,17 @@ class RunningMatter {
     }
   }
 
-  /// Is the mean of the `half` entries to either side of one that of the nearest two, to a small share of the
-  /// greatest?
+  /// Is the mean of the `half` entries to either side of one that of each of the two beside it, to a small
+  /// share of the greatest?
   bool is_even(std::int64_t middle, std::int64_t half) const {
     constexpr double kTolerance = 1.0 / 1024;
-    const Parts from = at(middle - half), to = at(middle + half), before = at(middle - 1),
-                behind = at(middle + 1);
+    const Parts from = at(middle - half), to = at(middle + half);
+    const Parts before = at(middle - 1), here = at(middle), behind = at(middle + 1);
     for (std::size_t i = 0; i < 4; ++i) {
-      const double mean = (to[i] - from[i]) / double(2 * half), here = (behind[i] - before[i]) / 2;
-      if (std::abs(mean - here) > kTolerance * greatest_[i]) return false;
+      const double mean = (to[i] - from[i]) / double(2 * half), most = kTolerance * greatest_[i];
+      if (std::abs(mean - (here[i] - before[i])) > most || std::abs(mean - (behind[i] - here[i])) > most) {
+        return false;
+      }
     }
     return true;
   }

@@ -163,7 +163,7 @@ struct TransferView {
     return !(width > (inside ? even_width_inside : even_width)) || lower >= even_above;
   }
 
-  /// The mean matter of as little around an entry as the table tells apart.
+  /// The mean matter of as little around an entry as the table tells apart; below the first, that behind it.
   GVX_HD Matter density_at(float entry) const {
     const float* density =
         integral[static_cast<int>(clamped(entry, static_cast<float>(entries - 1)))].density;

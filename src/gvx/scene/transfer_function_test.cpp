@@ -100,6 +100,21 @@ TEST(TransferTable, even_functions_are_looked_up_half_way_but_not_across_their_e
   }
 }
 
+TEST(TransferTable, a_spike_is_even_nowhere_and_a_constant_everywhere) {
+  const TransferFunction spike = {{{0, {1, 1, 1}}}, {{0, 0}, {50, 0}, {50.02, 0.9}, {50.04, 0}, {100, 0}}, 0};
+  const TransferTable uneven = bake(spike, 1, 0, 16);
+  EXPECT_EQ(uneven.even_width, TransferView::kNarrow);
+  EXPECT_EQ(uneven.even_width_inside, TransferView::kNarrow);
+  EXPECT_GT(uneven.even_above, uneven.view().entry_of(50));
+  EXPECT_LT(uneven.even_above, uneven.view().entry_of(51));
+  EXPECT_GE(uneven.first_visible, uneven.view().entry_of(49.9f));
+  EXPECT_LE(uneven.last_visible, uneven.view().entry_of(50.1f));
+  const TransferTable constant = bake({{{0, {1, 1, 1}}}, {{0, 0.5}, {100, 0.5}}, 0}, 1, 0, 16);
+  EXPECT_GE(constant.even_width, TransferView::kEntries / 2);
+  EXPECT_LT(constant.first_visible, -1e6f);
+  EXPECT_GT(constant.last_visible, 1e6f);
+}
+
 TEST(TransferTable, small_means_survive_large_ones_below_them) {
   // Floats would lose the faint matter behind a thousand opaque entries.
   const TransferFunction f = {{{0, {1, 1, 1}}}, {{0, 1}, {500, 1}, {500, 1e-4}, {1000, 1e-4}}, 0};

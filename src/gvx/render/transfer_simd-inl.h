@@ -1,0 +1,175 @@
+/// \file
+/// Transfer functions in vectors: scene::TransferView once more, the same names mean the same.
+/// Compiled once for each instruction set.
+
+// Passed as often as there are instruction sets, so no #pragma once.
+#if defined(GVX_RENDER_TRANSFER_SIMD_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef GVX_RENDER_TRANSFER_SIMD_INL_H
+#undef GVX_RENDER_TRANSFER_SIMD_INL_H
+#else
+#define GVX_RENDER_TRANSFER_SIMD_INL_H
+#endif
+
+#include <cstddef>
+#include <cstdint>
+
+#include <hwy/highway.h>
+
+#include "gvx/render/sample_simd-inl.h"
+#include "gvx/scene/transfer_function.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gvx::render::HWY_NAMESPACE {
+namespace {
+
+/// scene::Matter.
+struct Matter {
+  Float part[4];  // r, g, b, extinction
+};
+HWY_INLINE Matter select(Mask mask, const Matter& a, const Matter& b) {
+  Matter m;
+  for (int i = 0; i < 4; ++i) m.part[i] = hn::IfThenElse(mask, a.part[i], b.part[i]);
+  return m;
+}
+
+/// Four 32-bit numbers of each lane, table + offset in bytes onwards: out[i] has the i-th of every lane. Rows
+/// are loaded whole and turned, which is several times as fast as gathering.
+HWY_INLINE void load_rows(const std::byte* table, const std::int32_t* offsets, Int out[4]) {
+#if HWY_TARGET == HWY_SCALAR
+  const auto* row = reinterpret_cast<const std::int32_t*>(table + offsets[0]);
+  for (std::size_t i = 0; i < 4; ++i) out[i] = hn::Set(kInts, row[i]);
+#else
+  const auto row = [&](std::size_t lane) HWY_ATTR {
+    const auto* numbers = reinterpret_cast<const std::int32_t*>(table + offsets[lane]);
+    return hn::Load(hn::Full128<std::int32_t>(), numbers);
+  };
+  Int part[4];
+  for (std::size_t i = 0; i < 4; ++i) {
+#if HWY_MAX_BYTES == 16
+    part[i] = row(i);
+#elif HWY_MAX_BYTES == 32
+    part[i] = hn::Combine(kInts, row(4 + i), row(i));
+#else
+    const hn::Half<Ints> half;
+    part[i] =
+        hn::Combine(kInts, hn::Combine(half, row(12 + i), row(8 + i)), hn::Combine(half, row(4 + i), row(i)));
+#endif
+  }
+  const hn::RepartitionToWide<Ints> pairs;
+  const auto pair = [&](Int v) HWY_ATTR { return hn::BitCast(pairs, v); };
+  const Int a = hn::InterleaveLower(kInts, part[0], part[1]),
+            b = hn::InterleaveUpper(kInts, part[0], part[1]);
+  const Int c = hn::InterleaveLower(kInts, part[2], part[3]),
+            d = hn::InterleaveUpper(kInts, part[2], part[3]);
+  out[0] = hn::BitCast(kInts, hn::InterleaveLower(pairs, pair(a), pair(c)));
+  out[1] = hn::BitCast(kInts, hn::InterleaveUpper(pairs, pair(a), pair(c)));
+  out[2] = hn::BitCast(kInts, hn::InterleaveLower(pairs, pair(b), pair(d)));
+  out[3] = hn::BitCast(kInts, hn::InterleaveUpper(pairs, pair(b), pair(d)));
+#endif
+}
+
+/// scene::TransferView::Reading.
+struct Reading {
+  Float entry;
+  Int sum[4];
+};
+
+/// scene::TransferView.
+class Function {
+ public:
+  explicit Function(const scene::TransferView& view) : view_(view) {}
+
+  HWY_INLINE Float entry_of(Float stored) const {
+    return hn::Add(hn::Mul(stored, all(view_.to_entry_scale)), all(view_.to_entry_offset));
+  }
+  HWY_INLINE Float to_entries(Float deviation) const { return hn::Mul(deviation, all(view_.to_entry_scale)); }
+
+  HWY_INLINE Reading read(Float entry) const {
+    const Float held = held_in_table(entry);
+    const Int low = hn::Min(hn::ConvertTo(kInts, held), all_ints(view_.entries - 2));
+    const Float weight = hn::Sub(held, hn::ConvertTo(kFloats, low));
+    const Float units = hn::Mul(weight, all(view_.integrals_per_unit));
+    alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
+    hn::Store(offset_of(low), kInts, offsets);
+    Int sum[4], density[4];
+    load_rows(sums(), offsets, sum);
+    load_rows(densities(), offsets, density);
+    Reading reading;
+    reading.entry = entry;
+    for (int i = 0; i < 4; ++i) {
+      const Float more = hn::Mul(units, hn::BitCast(kFloats, density[i]));
+      reading.sum[i] = hn::Add(sum[i], hn::ConvertTo(kInts, more));
+    }
+    return reading;
+  }
+
+  /// Lanes whose readings are no more than kNarrow apart mean nothing.
+  HWY_INLINE Matter mean(const Reading& a, const Reading& b) const {
+    const Float zero = hn::Zero(kFloats), last = all(static_cast<float>(view_.entries - 1));
+    const Float width = hn::Sub(b.entry, a.entry);
+    const Mask wide = hn::Gt(hn::Abs(width), all(scene::TransferView::kNarrow));
+    const Float share = hn::Div(all(1), hn::IfThenElse(wide, width, all(1)));
+    const Float scale = hn::Mul(all(view_.integral_unit), share);
+    Matter m;
+    for (int i = 0; i < 4; ++i) {
+      m.part[i] = hn::Mul(scale, hn::ConvertTo(kFloats, hn::Sub(b.sum[i], a.sum[i])));
+    }
+    if (!none(hn::Or(hn::Lt(hn::Min(a.entry, b.entry), zero), hn::Gt(hn::Max(a.entry, b.entry), last)))) {
+      const Float before = hn::Mul(share, hn::Sub(hn::Min(b.entry, zero), hn::Min(a.entry, zero)));
+      const Float behind = hn::Mul(share, hn::Sub(hn::Max(b.entry, last), hn::Max(a.entry, last)));
+      add(m, before, view_.matter[0]);
+      add(m, behind, view_.matter[view_.entries - 1]);
+    }
+    return m;
+  }
+
+  HWY_INLINE Mask is_even(Float from, Float to) const {
+    const Float width = hn::Abs(hn::Sub(to, from)), lower = hn::Min(from, to), upper = hn::Max(from, to);
+    const Mask inside =
+        hn::And(hn::Ge(lower, hn::Zero(kFloats)), hn::Le(upper, all(static_cast<float>(view_.entries - 1))));
+    const Float most = hn::IfThenElse(inside, all(view_.even_width_inside), all(view_.even_width));
+    return hn::Or(hn::Le(width, most), hn::Ge(lower, all(view_.even_above)));
+  }
+
+  HWY_INLINE Matter density_at(Float entry) const {
+    alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
+    hn::Store(offset_of(hn::ConvertTo(kInts, held_in_table(entry))), kInts, offsets);
+    Int density[4];
+    load_rows(densities(), offsets, density);
+    Matter m;
+    for (int i = 0; i < 4; ++i) m.part[i] = hn::BitCast(kFloats, density[i]);
+    return m;
+  }
+
+  HWY_INLINE Mask invisible(Float a, Float b) const {
+    return hn::Or(hn::Lt(hn::Max(a, b), all(view_.first_visible)),
+                  hn::Gt(hn::Min(a, b), all(view_.last_visible)));
+  }
+
+ private:
+  HWY_INLINE Float held_in_table(Float entry) const {
+    return hn::Min(hn::Max(entry, hn::Zero(kFloats)), all(static_cast<float>(view_.entries - 1)));
+  }
+  HWY_INLINE static Int offset_of(Int entry) {
+    static_assert(sizeof(scene::TransferView::Integral) == 32);
+    return hn::ShiftLeft<5>(entry);
+  }
+  HWY_INLINE const std::byte* sums() const { return reinterpret_cast<const std::byte*>(view_.integral); }
+  HWY_INLINE const std::byte* densities() const {
+    return sums() + offsetof(scene::TransferView::Integral, density);
+  }
+  HWY_INLINE static void add(Matter& m, Float weight, const scene::Matter& matter) {
+    m.part[0] = hn::MulAdd(weight, all(matter.color.x), m.part[0]);
+    m.part[1] = hn::MulAdd(weight, all(matter.color.y), m.part[1]);
+    m.part[2] = hn::MulAdd(weight, all(matter.color.z), m.part[2]);
+    m.part[3] = hn::MulAdd(weight, all(matter.extinction), m.part[3]);
+  }
+
+  const scene::TransferView& view_;
+};
+
+}  // namespace
+}  // namespace gvx::render::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
