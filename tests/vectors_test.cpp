@@ -44,11 +44,12 @@ void expect_alike(const TestScene& scene, const char* what) {
   plain.one_ray_at_a_time = true;
   engine::Statistics counted;
   const render::Picture expected = render_exact(scene, exec::Device::cpu(), plain, &counted);
+  int tested = 0;
   for (const std::int64_t set : instruction_sets()) {
     use(set);
-    if (set != HWY_SCALAR) {
-      EXPECT_STREQ(render::instruction_set(), hwy::TargetName(set));
-    }
+    // Builds with sanitizers have fewer sets.
+    if (set != HWY_SCALAR && std::string(render::instruction_set()) != hwy::TargetName(set)) continue;
+    ++tested;
     engine::Statistics statistics;
     const render::Picture picture = render_exact(scene, exec::Device::cpu(), {}, &statistics);
     const float difference = greatest_difference(picture, expected);
@@ -61,6 +62,7 @@ void expect_alike(const TestScene& scene, const char* what) {
     EXPECT_EQ(render_exact(scene, exec::Device::cpu(3), {0, engine::PoolSizes{150, 12}}).rgba, picture.rgba)
         << what << " with " << hwy::TargetName(set);
   }
+  EXPECT_GE(tested, 2) << "with nothing but " << render::instruction_set();
   hwy::SetSupportedTargetsForTest(0);
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }

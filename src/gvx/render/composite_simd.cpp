@@ -5,8 +5,16 @@
 #include "gvx/render/stretch_batch.h"
 
 // What lies between these or has vectors without a fixed size gains nothing here.
-#define HWY_DISABLED_TARGETS \
+#define GVX_UNUSED_TARGETS \
   (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+// A compiler that instruments takes minutes for each instruction set, and far more for all in one piece.
+#define HWY_DISABLED_TARGETS (GVX_UNUSED_TARGETS | HWY_SSE4 | HWY_AVX3)
+#define GVX_PIECE HWY_NOINLINE
+#else
+#define HWY_DISABLED_TARGETS GVX_UNUSED_TARGETS
+#define GVX_PIECE HWY_INLINE
+#endif
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "gvx/render/composite_simd.cpp"
 // The order matters.
@@ -127,7 +135,7 @@ class Composite {
     return hn::Min(hn::Max(hn::MulAdd(i, blend_per_step_, blend_), hn::Zero(kFloats)), all(1));
   }
 
-  HWY_INLINE Place at(Float i) const {
+  GVX_PIECE Place at(Float i) const {
     const Vec3v p = along(fine_first_, fine_per_step_, i);
     Float value = sample(texels(batch_.fine), edge_, p);
     Place place;
@@ -163,7 +171,7 @@ class Composite {
   }
 
   /// EntryPath::mean between two entries, of the lanes of `mask`.
-  HWY_INLINE Matter mean(Float from, Float to, Float variance3, Mask mask) const {
+  GVX_PIECE Matter mean(Float from, Float to, Float variance3, Mask mask) const {
     const Float centre = hn::Mul(all(0.5f), hn::Add(from, to));
     if constexpr (!kPlain) {
       const Float half = spread(from, to, variance3);
@@ -185,8 +193,8 @@ class Composite {
     return m;
   }
 
-  HWY_INLINE Span span_of(Float centre, Float begin, Float length, const Place& front, const Place& back,
-                          Mask mask) const {
+  GVX_PIECE Span span_of(Float centre, Float begin, Float length, const Place& front, const Place& back,
+                         Mask mask) const {
     Span span;
     span.centre = centre;
     span.begin = begin;
@@ -200,8 +208,8 @@ class Composite {
   }
 
   /// A step between two places, of the lanes of `mask`.
-  HWY_INLINE void composite_step(Float centre, const Place& front, const Place& back, Mask mask,
-                                 Int& samples) {
+  GVX_PIECE void composite_step(Float centre, const Place& front, const Place& back, Mask mask,
+                                Int& samples) {
     const Float units = all(batch_.units), one = all(1);
     const Float begin = hn::Sub(centre, all(0.5f));
     const Span whole = span_of(centre, begin, one, front, back, mask);
@@ -233,7 +241,7 @@ class Composite {
     }
   }
 
-  HWY_INLINE void composite_span(const Span& span, Float units, Mask mask) {
+  GVX_PIECE void composite_span(const Span& span, Float units, Mask mask) {
     if (none(mask)) return;
     const Float zero = hn::Zero(kFloats), one = all(1);
     const Float most = all(float(kMostParts));
@@ -313,7 +321,7 @@ class Composite {
   }
 
   /// RayView::shade at place i.
-  HWY_INLINE Shade shade_at(Float i) const {
+  GVX_PIECE Shade shade_at(Float i) const {
     Vec3v g = gradient(texels(batch_.fine), edge_, along(fine_first_, fine_per_step_, i));
     Float scale = all(batch_.fine.gradient_scale);
     if constexpr (!kPlain) {
