@@ -35,12 +35,12 @@ class TileMarcher {
   /// Marches until no ray has anything to go through, or the deadline, at which rays step back before what
   /// they were to go through.
   void march(exec::Deadline deadline) {
-    bool in_time = true;
-    while (in_time && !waiting_.empty()) {
+    // Stepping back costs the way to the brick again: a tile that was begun comes a good part further.
+    constexpr int kLeastBatches = 32;
+    for (int batches = 0; !waiting_.empty() && (batches < kLeastBatches || !late(deadline)); ++batches) {
       gather_nearest();
       composite_batch(view_.frame, batch_);
       take_back();
-      in_time = !late(deadline);
     }
     for (const Waiting& waiting : waiting_) {
       const TileRay& ray = rays_[waiting.ray];
