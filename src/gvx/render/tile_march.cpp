@@ -27,7 +27,6 @@ class TileMarcher {
   }
 
   void add(std::uint32_t x, std::uint32_t y, RayState& state) {
-    if (state.phase == RayPhase::finished) return;
     rays_.push_back({{view_, double(x), double(y)}, &state, {}});
     advance(static_cast<std::uint32_t>(rays_.size() - 1));
   }
@@ -175,7 +174,7 @@ class TileMarcher {
   std::vector<TileRay> rays_;
   std::vector<Waiting> waiting_;
   std::vector<std::uint32_t> chosen_, ordered_;  // the rays in the batch
-  StretchBatch batch_{};
+  StretchBatch batch_;
 };
 
 template <typename Voxel, int N, int M>
@@ -198,16 +197,21 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
         }
       }
     };
-    const auto marcher = std::make_unique<TileMarcher<Voxel, N, M>>(view);
+    // Made where a ray needs it: a tile that is finished must cost next to nothing, or short frames end in
+    // it.
+    std::unique_ptr<TileMarcher<Voxel, N, M>> marcher;
     for_rays([&](std::uint32_t x, std::uint32_t y, RayState& ray) {
       if (ray.epoch != pass.epoch) {
         ray = RayState{};
         ray.epoch = pass.epoch;
       }
       const std::uint64_t index = std::uint64_t(y) * grid.width + x;
-      if (pass.lone_ray == Pass::kAllRays || pass.lone_ray == index) marcher->add(x, y, ray);
+      const bool runs = pass.lone_ray == Pass::kAllRays || pass.lone_ray == index;
+      if (!runs || ray.phase == RayPhase::finished) return;
+      if (marcher == nullptr) marcher = std::make_unique<TileMarcher<Voxel, N, M>>(view);
+      marcher->add(x, y, ray);
     });
-    marcher->march(deadline);
+    if (marcher != nullptr) marcher->march(deadline);
     bool finished = true;
     for_rays([&](std::uint32_t, std::uint32_t, const RayState& ray) {
       finished = finished && ray.phase == RayPhase::finished;
