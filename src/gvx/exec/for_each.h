@@ -64,15 +64,12 @@ void for_each(const Device& device, [[maybe_unused]] const char* name, std::size
 template <typename Functor>
 bool for_each_pixel(const Device& device, [[maybe_unused]] const char* name, TileGrid grid,
                     BufferView<const std::uint32_t> tiles, Deadline deadline, Functor functor) {
-  const auto late = [deadline] {
-    return deadline != no_deadline() && std::chrono::steady_clock::now() >= deadline;
-  };
 #if defined(__CUDACC__)
   if (device.kind() == DeviceKind::cuda) {
     // A band of tiles is the unit that a deadline can stop between; without one all are launched at once.
     const std::size_t band = deadline == no_deadline() ? tiles.size : 512;
     for (std::size_t first = 0; first < tiles.size; first += band) {
-      if (late()) return false;
+      if (late(deadline)) return false;
       const std::size_t count = band < tiles.size - first ? band : tiles.size - first;
       detail::tile_kernel<<<static_cast<unsigned>(count), 256>>>(grid, tiles.data + first, functor);
       cuda_support::synchronize(name);
@@ -87,7 +84,7 @@ bool for_each_pixel(const Device& device, [[maybe_unused]] const char* name, Til
     const std::uint32_t x1 = x0 + grid.tile < grid.width ? x0 + grid.tile : grid.width;
     const std::uint32_t y1 = y0 + grid.tile < grid.height ? y0 + grid.tile : grid.height;
     for (std::uint32_t y = y0; y < y1; ++y) {
-      if (late()) {
+      if (late(deadline)) {
         all_done.store(false, std::memory_order_relaxed);
         return;
       }

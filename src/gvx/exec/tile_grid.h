@@ -16,10 +16,17 @@ inline Deadline no_deadline() {
   return Deadline::max();
 }
 
+/// Has it come?
+inline bool late(Deadline deadline) {
+  return deadline != no_deadline() && std::chrono::steady_clock::now() >= deadline;
+}
+
 /// An image and the square tiles that it is worked on in; tiles at the right and lower edge may be cut.
 struct TileGrid {
+  static constexpr std::uint32_t kTile = 16;
+
   std::uint32_t width = 0, height = 0;
-  std::uint32_t tile = 16;
+  std::uint32_t tile = kTile;
 
   GVX_HD std::uint32_t tiles_x() const { return (width + tile - 1) / tile; }
   GVX_HD std::uint32_t tiles_y() const { return (height + tile - 1) / tile; }

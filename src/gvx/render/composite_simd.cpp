@@ -2,19 +2,9 @@
 // the same names mean the same. Compiled once for each instruction set.
 
 #include "gvx/render/composite.h"
+#include "gvx/render/simd_targets.h"
 #include "gvx/render/stretch_batch.h"
 
-// What lies between these or has vectors without a fixed size gains nothing here.
-#define GVX_UNUSED_TARGETS \
-  (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-// A compiler that instruments takes minutes for each instruction set, and far more for all in one piece.
-#define HWY_DISABLED_TARGETS (GVX_UNUSED_TARGETS | HWY_SSE4 | HWY_AVX3)
-#define GVX_PIECE HWY_NOINLINE
-#else
-#define HWY_DISABLED_TARGETS GVX_UNUSED_TARGETS
-#define GVX_PIECE HWY_INLINE
-#endif
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "gvx/render/composite_simd.cpp"
 // The order matters.

@@ -67,6 +67,7 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   const Box3d clip{placement.extent.minimum + view.clip.minimum * size,
                    placement.extent.minimum + view.clip.maximum * size};
   v.box = intersect(clip, placement.extent);
+  v.last_inside = (1 - 1e-15) * v.box.maximum;
   v.format = placement.format;
 
   const double finest_voxels =

@@ -32,7 +32,8 @@ struct FrameView {
   scene::CameraView camera;
   std::uint32_t width = 0, height = 0;  ///< in rays
   Affine3 world_to_tree;
-  Box3d box;  ///< of the visible volume in tree space
+  Box3d box;          ///< of the visible volume in tree space
+  Vec3d last_inside;  ///< a hair below box.maximum: points there are in nodes that are in the box
   double tick_world = 0;
   int max_level = 0;
   double lod_distance[kMaxLevels] = {};  ///< the cone is View::detail voxels of level l wide there
@@ -52,12 +53,36 @@ struct FrameView {
   float soft_gradient[kMaxChannels] =
       {};  ///< stored units a voxel at which a gradient counts half as a surface
 
-  /// The level whose voxel is no wider than the cone at distance t, the coarsest such.
-  GVX_HD int level_at(double t) const {
-    if (fixed_blend >= 0) return fixed_level;
+  /// Steps of one level, blended or not.
+  struct Zone {
+    int level = 0;
+    bool blended = false;          ///< some of the next coarser level is seen
+    std::int64_t end = INT64_MAX;  ///< the tick at which the next zone begins
+  };
+
+  /// The zone of the step that starts at `tick` of a ray that enters the volume at distance `enter`. All is
+  /// compared in whole ticks: a ray that goes on from anywhere in a zone finds the same.
+  GVX_HD Zone zone_at(double enter, std::int64_t tick) const {
+    Zone zone;
+    const bool blends = format.content != VoxelContent::labels;
+    if (fixed_blend >= 0) {
+      zone.level = fixed_level;
+      zone.blended = blends && fixed_blend > 0 && fixed_level > 0;
+      return zone;
+    }
     int level = max_level;
-    while (level > 0 && t >= lod_distance[level - 1]) --level;
-    return level;
+    while (level > 0 && tick >= handover(level - 1, enter)) --level;
+    while (stride[level] != 1 && tick % stride[level] != 0) ++level;
+    zone.level = level;
+    if (level == 0) return zone;
+    const std::int64_t begins = blends ? handover(level, enter) : INT64_MAX;
+    zone.blended = tick >= begins;
+    const int next = zone.blended || !blends ? level - 1 : level;
+    const std::int64_t at = handover(next, enter);
+    if (at == INT64_MAX) return zone;
+    const std::int64_t least = at > tick ? at : tick + 1;
+    zone.end = (least + stride[next] - 1) / stride[next] * stride[next];
+    return zone;
   }
 
   /// The share of the next coarser level at distance t, where `level` is sampled.
@@ -73,10 +98,17 @@ struct FrameView {
     return (t - from) / (to - from);
   }
 
-  /// Is any of the coarser level seen at distance t, where `level` is sampled?
-  GVX_HD bool blends(int level, double t) const {
-    if (level == 0 || format.content == VoxelContent::labels) return false;
-    return fixed_blend >= 0 ? fixed_blend > 0 : t > lod_distance[level];
+  /// The first tick from which on the cone is View::detail voxels of `level` wide; INT64_MAX: never.
+  GVX_HD std::int64_t handover(int level, double enter) const {
+    const double tick = (lod_distance[level] - enter) / tick_world;
+    if (!(tick < 9e15)) return INT64_MAX;
+    return tick > 0 ? whole_above(tick) : 0;
+  }
+
+  /// The least whole number that is no less than x, from 0 to 2^62.
+  GVX_HD static std::int64_t whole_above(double x) {
+    const auto below = static_cast<std::int64_t>(x);
+    return below + (x > static_cast<double>(below) ? 1 : 0);
   }
 };
 

@@ -18,12 +18,12 @@ TEST(Frame, level_follows_the_cone) {
   const Frame frame = Frame::make(exec::Device::cpu(), simple_view(), tree).value();
   const FrameView v = frame.view();
   const double finest_voxel = 1.0 / (16 * 32);
-  EXPECT_EQ(v.level_at(0), 5);
+  EXPECT_EQ(v.zone_at(0, 0).level, 5);
   for (int level = 0; level < 5; ++level) {
     // Level l serves from where two of its voxels are as wide as the pixel.
     const double t = 2 * finest_voxel * static_cast<double>(1 << (5 - level)) / v.camera.pixel;
-    EXPECT_EQ(v.level_at(t * 1.0001), level);
-    EXPECT_EQ(v.level_at(t * 0.9999), level + 1);
+    EXPECT_EQ(v.zone_at(t * 1.0001, 0).level, level);
+    EXPECT_EQ(v.zone_at(t * 0.9999, 0).level, level + 1);
     EXPECT_EQ(v.stride[level], 1 << (5 - level));
   }
 }
@@ -32,7 +32,7 @@ TEST(Frame, without_level_of_detail_all_is_finest) {
   View view = simple_view();
   view.level_of_detail = false;
   const TreePlacement tree{3, 8, 4, {}, {}, {{0, 0, 0}, {1, 1, 1}}, 1, 0, {}};
-  EXPECT_EQ(Frame::make(exec::Device::cpu(), view, tree).value().view().level_at(1e12), 4);
+  EXPECT_EQ(Frame::make(exec::Device::cpu(), view, tree).value().view().zone_at(1e12, 0).level, 4);
 }
 
 TEST(Frame, bad_views_are_errors) {

@@ -11,10 +11,6 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "gvx/brick/brick_pool.h"
-#include "gvx/brick/sample.h"
-#include "gvx/cache/request_marks.h"
-#include "gvx/cache/usage_list.h"
 #include "gvx/render/classified.h"
 #include "gvx/render/composite.h"
 #include "gvx/render/frame.h"
@@ -22,25 +18,15 @@
 #include "gvx/render/projection.h"
 #include "gvx/render/ray_state.h"
 #include "gvx/render/stretch.h"
-#include "gvx/tree/node_pool.h"
+#include "gvx/render/tree_walk.h"
 
 namespace gvx::render {
-
-/// Everything a pass works on, apart from its rays.
-template <typename Voxel, int N, int M>
-struct PassView {
-  FrameView frame;
-  tree::NodePoolView nodes;
-  brick::BrickPoolView<Voxel, M> bricks;
-  cache::UsageView tile_usage, brick_usage;
-  cache::RequestView requests;
-  std::uint32_t pass = 0;
-};
 
 template <typename Voxel, int N, int M>
 class RayMarcher {
  public:
-  GVX_HD RayMarcher(const PassView<Voxel, N, M>& view, double pixel_x, double pixel_y) : view_(view) {
+  GVX_HD RayMarcher(const PassView<Voxel, N, M>& view, double pixel_x, double pixel_y)
+      : view_(view), walk_(view) {
     const FrameView& frame = view.frame;
     ray_world_ = frame.camera.pixel_ray(pixel_x, pixel_y);
     ray_ = {frame.world_to_tree.point(ray_world_.origin), frame.world_to_tree.vector(ray_world_.direction)};
@@ -61,8 +47,8 @@ class RayMarcher {
       Step step;
       if (!next_step(state, step)) return false;
       const Place place = descend(step, state);
-      if (place.lack != 0 || place.lacks_coarse) {
-        ask(place, 1 - state.opacity);
+      if (place.lacks()) {
+        walk_.ask(place, 1 - state.opacity);
         return false;
       }
       if (take(state, step, place, stretch)) return true;
@@ -80,14 +66,18 @@ class RayMarcher {
       Step step;
       if (!next_step(state, step)) break;
       Place place = descend(step, state);
-      const bool lacking = place.lack != 0 || place.lacks_coarse;
+      const bool lacking = place.lacks();
       if (place.kind != Place::transparent) {
         ++pixel.wanted;
         pixel.resident += lacking ? 0 : 1;
       }
       if (lacking) {
-        ask(place, 1 - state.opacity);
-        if (place.lack != 0) fall_back(step, place, pixel);
+        walk_.ask(place, 1 - state.opacity);
+        if (place.lack != 0) {
+          const std::uint32_t lack = place.lack_of(step.level);
+          pixel.worst_lack = lack > pixel.worst_lack ? lack : pixel.worst_lack;
+        }
+        walk_.fall_back(place);
       }
       Stretch<Voxel, M> stretch;
       if (take(state, step, place, stretch)) gather(state, stretch);
@@ -108,33 +98,16 @@ class RayMarcher {
     Vec3d p;  ///< its centre in tree space
   };
 
-  /// Where a descent ended.
-  struct Place {
-    enum Kind { transparent, constant, brick, nothing } kind = nothing;
-    std::uint32_t lack = 0;  ///< what must be asked for at `node`
-    NodeIndex node;
-    int level = 0;        ///< of the node
-    double across = 1;    ///< nodes of that level along an axis
-    double cell[3] = {};  ///< of the node, in nodes of its level
-    BrickIndex slot;      ///< of the brick to sample
-    int brick_level = 0;  ///< of that brick: the node's, or an ancestor's in a preview
-    NodeIndex parent;     ///< of the node, where levels are blended
-    BrickIndex parent_slot;
-    bool blended = false;       ///< with the parent's brick
-    bool lacks_coarse = false;  ///< that brick is not there
-    int ancestor_level = -1;    ///< of the finest ancestor with a brick, -1 for none
-    BrickIndex ancestor_slot;
-  };
-
   GVX_HD double t_at(double tick) const { return inside_.enter + tick * view_.frame.tick_world; }
 
   GVX_HD bool next_step(RayState& state, Step& step) const {
     const FrameView& frame = view_.frame;
     step.tick = state.tick;
-    int level = frame.level_at(t_at(static_cast<double>(step.tick)));
-    while (frame.stride[level] != 1 && step.tick % frame.stride[level] != 0) ++level;
-    step.level = level;
-    step.stride = frame.stride[level];
+    const FrameView::Zone zone = frame.zone_at(inside_.enter, step.tick);
+    step.level = zone.level;
+    step.blended = zone.blended;
+    step.zone_end = zone.end;
+    step.stride = frame.stride[step.level];
     step.t_centre = t_at(static_cast<double>(step.tick) + 0.5 * static_cast<double>(step.stride));
     // A projection has a value wherever there is volume, be it less than half a step of it.
     if (projects() && step.tick == 0 && !(step.t_centre < inside_.exit)) {
@@ -144,26 +117,8 @@ class RayMarcher {
       finish(state);
       return false;
     }
-    step.zone_end = INT64_MAX;
-    step.blended = frame.blends(level, step.t_centre);
-    if (level > 0 && frame.fixed_blend < 0) {
-      const double from = frame.lod_distance[step.blended ? level - 1 : level];
-      const double handover = (from - inside_.enter) / frame.tick_world;
-      if (handover < 9e15) {
-        const std::int64_t multiple = frame.stride[step.blended ? level - 1 : level];
-        const std::int64_t at = whole_above(handover > 0 ? handover : 0);
-        const std::int64_t next = at > step.tick ? at : step.tick + 1;
-        step.zone_end = (next + multiple - 1) / multiple * multiple;
-      }
-    }
     step.p = ray_.at(step.t_centre);
     return true;
-  }
-
-  /// The least whole number that is no less than x, from 0 to 2^62.
-  GVX_HD static std::int64_t whole_above(double x) {
-    const auto below = static_cast<std::int64_t>(x);
-    return below + (x > static_cast<double>(below) ? 1 : 0);
   }
 
   GVX_HD RayView ray_view() const { return {view_.frame, ray_world_, -Vec3f(ray_world_.direction)}; }
@@ -188,98 +143,22 @@ class RayMarcher {
     return all;
   }
 
-  /// Asks for what is missing, and keeps the half that is there of two bricks to blend.
-  GVX_HD void ask(const Place& place, float priority) const {
-    if (place.blended) view_.brick_usage.touch(place.parent_slot.value, view_.pass);
-    if (place.lacks_coarse && place.kind == Place::brick) {
-      view_.brick_usage.touch(place.slot.value, view_.pass);
-    }
-    if (place.lack != 0) view_.requests.request(place.node, place.lack, priority);
-    if (place.lacks_coarse) view_.requests.request(place.parent, cache::kNeedsBrick, priority);
-  }
-
   GVX_HD Place descend(const Step& step, RayState& state) const {
-    const tree::NodePoolView& nodes = view_.nodes;
-    Place place;
-    Vec3d x = step.p;
+    const double across = TreeWalk<Voxel, N, M>::across(step.level);
+    Vec3d cell;
     for (int axis = 0; axis < 3; ++axis) {
-      // Rounding, or a ray in the plane of a face, can put a sample a hair outside the volume's box.
-      const double low = view_.frame.box.minimum[axis], high = view_.frame.box.maximum[axis] * (1 - 1e-15);
-      x[axis] = x[axis] < low ? low : x[axis] < high ? x[axis] : high;
+      cell[axis] =
+          cell_along(step.p[axis], view_.frame.box.minimum[axis], view_.frame.last_inside[axis], across);
     }
-    std::uint32_t tile = 0, index = 0;
-    while (true) {
-      view_.tile_usage.touch(tile, view_.pass);
-      place.node = NodeIndex(tile * (N * N * N) + index);
-      const tree::ChildWord child = nodes.child[place.node.value];
-      if (child.transparent() || outdone_node(place.node, state)) {
-        place.kind = Place::transparent;
-        return place;
-      }
-      const tree::ContentWord content = nodes.content[place.node.value];
-      if (content.kind() == tree::ContentKind::constant) {
-        place.kind = Place::constant;
-        return place;
-      }
-      const bool has_brick = content.kind() == tree::ContentKind::brick;
-      if (place.level == step.level || child.terminal()) {
-        place.kind = has_brick ? Place::brick : Place::nothing;
-        place.lack = has_brick ? 0 : cache::kNeedsBrick;
-        place.slot = content.brick();
-        place.brick_level = place.level;
-        if (step.blended && place.level == step.level) {
-          const bool parent_here = place.ancestor_level == place.level - 1;
-          place.lacks_coarse = !parent_here;
-          place.blended = parent_here;
-          place.parent_slot = place.ancestor_slot;
-        }
-        return place;
-      }
-      place.parent = place.node;
-      if (has_brick) {
-        place.ancestor_level = place.level;
-        place.ancestor_slot = content.brick();
-      }
-      if (!child.has_children()) {
-        place.lack = cache::kNeedsChildren;
-        return place;
-      }
-      tile = child.children().value;
-      index = 0;
-      int factor = 1;
-      for (int axis = 0; axis < 3; ++axis) {
-        const double scaled = x[axis] * N;
-        int digit = static_cast<int>(scaled);
-        digit = digit < N ? digit : N - 1;
-        x[axis] = scaled - digit;
-        place.cell[axis] = place.cell[axis] * N + digit;
-        index += static_cast<std::uint32_t>(digit * factor);
-        factor *= N;
-      }
-      ++place.level;
-      place.across *= N;
-    }
-  }
-
-  /// Replaces a lack by the finest resident ancestor's brick, and asks for the node's own brick on the way
-  /// down.
-  GVX_HD void fall_back(const Step& step, Place& place, PreviewPixel& pixel) const {
-    const bool has_own = view_.nodes.content[place.node.value].kind() == tree::ContentKind::brick;
-    if (!has_own) view_.requests.request(place.node, place.lack | cache::kNeedsBrick, 1.0f);
-    place.kind = place.ancestor_level >= 0 ? Place::brick : Place::nothing;
-    place.slot = place.ancestor_slot;
-    place.brick_level = place.ancestor_level;
-    place.blended = false;
-    const auto lack =
-        static_cast<std::uint32_t>(step.level - (place.ancestor_level >= 0 ? place.ancestor_level : 0));
-    pixel.worst_lack = lack > pixel.worst_lack ? lack : pixel.worst_lack;
+    return walk_.to(step.level, step.blended, cell,
+                    [&](NodeIndex node) { return outdone_node(node, state); });
   }
 
   /// Moves the ray behind all steps whose centres are in the node. True where they are in a brick: then
   /// `stretch` is yet to be gathered.
   GVX_HD bool take(RayState& state, const Step& step, const Place& place, Stretch<Voxel, M>& stretch) const {
     // A preview's coarser brick is sampled in its own, longer steps.
-    const bool coarser = place.kind == Place::brick && place.brick_level < step.level;
+    const bool coarser = place.coarser_than(step.level);
     const int step_level = coarser ? place.brick_level : step.level;
     const std::int64_t stride = view_.frame.stride[step_level];
     const double t_step = view_.frame.tick_world * static_cast<double>(stride);
@@ -293,7 +172,7 @@ class RayMarcher {
     }
     constexpr double kMostSteps = 1e15;
     const double count = (t_exit - step.t_centre) / t_step;
-    std::int64_t steps = whole_above(count > 1 ? (count < kMostSteps ? count : kMostSteps) : 1);
+    std::int64_t steps = FrameView::whole_above(count > 1 ? (count < kMostSteps ? count : kMostSteps) : 1);
     if (!coarser && step.zone_end != INT64_MAX) {
       const std::int64_t to_zone_end = (step.zone_end - step.tick) / stride;  // both are multiples of it
       steps = steps < to_zone_end ? steps : to_zone_end;
@@ -305,18 +184,14 @@ class RayMarcher {
     state.tick += steps * stride;
     if (place.kind == Place::constant) gather_constant(state, place, step.level, steps);
     if (place.kind != Place::brick) return false;
-    view_.brick_usage.touch(place.slot.value, view_.pass);
-    if (place.blended) view_.brick_usage.touch(place.parent_slot.value, view_.pass);
+    walk_.touch_bricks(place);
     stretch = stretch_of(step, place, step_level, t_step, steps);
     return true;
   }
 
   GVX_HD void gather_constant(RayState& state, const Place& place, int level, std::int64_t steps) const {
     const FrameView& frame = view_.frame;
-    ChannelRanges values;
-    for (std::uint32_t c = 0; c < frame.visibility.channels; ++c) {
-      values.channel[c] = view_.nodes.range_of(place.node, c);
-    }
+    const ChannelRanges values = walk_.ranges_of(place);
     if (frame.format.content == VoxelContent::labels) {
       composite_label(ray_view(), values.channel[0].minimum, level, steps, state);
     } else if (projects()) {
@@ -329,16 +204,13 @@ class RayMarcher {
   /// The path of the steps' centres through a brick of `level` that holds the node.
   GVX_HD BrickPath<Voxel, M> path_in(BrickIndex slot, int level, const Step& step, const Place& place,
                                      double t_step) const {
-    double shrink = 1;
-    for (int l = level; l < place.level; ++l) shrink *= N;
-    const double across = place.across / shrink;
+    const BrickCorner<N> at(place, level);
     BrickPath<Voxel, M> path;
     path.brick = view_.bricks.brick(slot);
-    path.voxels_across = static_cast<float>(across * M);
+    path.voxels_across = static_cast<float>(at.across * M);
     for (int axis = 0; axis < 3; ++axis) {
-      const auto corner = static_cast<double>(static_cast<std::int64_t>(place.cell[axis] / shrink));
-      path.first[axis] = static_cast<float>((step.p[axis] * across - corner) * M);
-      path.per_step[axis] = static_cast<float>(ray_.direction[axis] * t_step * across * M);
+      path.first[axis] = static_cast<float>((step.p[axis] * at.across - at.corner[axis]) * M);
+      path.per_step[axis] = static_cast<float>(ray_.direction[axis] * t_step * at.across * M);
     }
     return path;
   }
@@ -375,6 +247,7 @@ class RayMarcher {
   }
 
   const PassView<Voxel, N, M>& view_;
+  TreeWalk<Voxel, N, M> walk_;
   Ray ray_world_;
   Ray ray_;                  // in tree space; t is the distance in the world
   Vec3d inverse_direction_;  // infinite where a direction is 0

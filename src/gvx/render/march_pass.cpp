@@ -1,7 +1,6 @@
 #include "gvx/render/march_pass.h"
 
 #include "gvx/render/march_kernels.h"
-#include "gvx/render/stretch_batch.h"
 #include "gvx/render/tile_march.h"
 
 namespace gvx::render {
@@ -16,8 +15,7 @@ GVX_INSTANTIATE_MARCH(extern, float)
 bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
                  exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
                  exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
-  const bool vectors = device.kind() == exec::DeviceKind::cpu && composites_batches(pass.frame);
-  if (vectors && !pass.one_ray_at_a_time) {
+  if (device.kind() == exec::DeviceKind::cpu && marches_tiles(pass)) {
     return tile_march(device, pass, grid, tiles, deadline, rays, unfinished);
   }
   return with_voxel_type(pass.frame.format.type, [&](auto zero) {
@@ -29,6 +27,9 @@ bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid 
                    exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
                    std::uint32_t generation, exec::BufferView<const RayState> rays,
                    exec::BufferView<PreviewPixel> pixels) {
+  if (device.kind() == exec::DeviceKind::cpu && marches_tiles(pass)) {
+    return tile_preview(device, pass, grid, tiles, deadline, block, generation, rays, pixels);
+  }
   return with_voxel_type(pass.frame.format.type, [&](auto zero) {
     return kernels::march_preview<decltype(zero)>(device, pass, grid, tiles, deadline, block, generation,
                                                   rays, pixels);

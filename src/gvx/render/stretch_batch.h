@@ -26,6 +26,7 @@ struct StretchBatch {
   };
 
   std::uint32_t m = 16;  ///< the bricks' edge, 8, 16 or 32
+  int level = 0;         ///< of the steps
   float units = 1;       ///< unit distances of the extinctions a step
   bool blended = false;  ///< the coarse brick is seen too
   Path fine, coarse;

@@ -38,6 +38,11 @@ struct Lighting {
   int lights = 1;
   Light light[kMostLights];
 
+  bool has_points() const {
+    bool some = false;
+    for (int i = 0; i < lights; ++i) some = some || light[i].kind == LightKind::point;
+    return some;
+  }
   constexpr bool operator==(const Lighting&) const = default;
 };
 

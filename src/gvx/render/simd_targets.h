@@ -1,0 +1,16 @@
+/// \file
+/// The instruction sets that vectors are compiled for. To be included before any of Highway, by sources that
+/// are compiled once for each. Private to this room.
+#pragma once
+
+// What lies between these or has vectors without a fixed size gains nothing here.
+#define GVX_UNUSED_TARGETS \
+  (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+// A compiler that instruments takes minutes for each instruction set, and far more for all in one piece.
+#define HWY_DISABLED_TARGETS (GVX_UNUSED_TARGETS | HWY_SSE4 | HWY_AVX3)
+#define GVX_PIECE HWY_NOINLINE
+#else
+#define HWY_DISABLED_TARGETS GVX_UNUSED_TARGETS
+#define GVX_PIECE HWY_INLINE
+#endif

@@ -1,0 +1,192 @@
+/// \file
+/// TreeWalk: from a step of a ray to the node that holds it, and what rays ask for there. Where a walk ends
+/// depends on the step's level and cell alone, so rays whose steps are in one node may share a walk.
+#pragma once
+
+#include <cstdint>
+
+#include "gvx/brick/brick_pool.h"
+#include "gvx/cache/request_marks.h"
+#include "gvx/cache/usage_list.h"
+#include "gvx/render/frame.h"
+#include "gvx/tree/node_pool.h"
+
+namespace gvx::render {
+
+/// Everything a pass works on, apart from its rays.
+template <typename Voxel, int N, int M>
+struct PassView {
+  FrameView frame;
+  tree::NodePoolView nodes;
+  brick::BrickPoolView<Voxel, M> bricks;
+  cache::UsageView tile_usage, brick_usage;
+  cache::RequestView requests;
+  std::uint32_t pass = 0;
+};
+
+/// Where a walk ended.
+struct Place {
+  enum Kind { transparent, constant, brick, nothing } kind = nothing;
+  std::uint32_t lack = 0;  ///< what must be asked for at `node`
+  NodeIndex node;
+  int level = 0;        ///< of the node
+  double across = 1;    ///< nodes of that level along an axis
+  Vec3d cell;           ///< of the node, in nodes of its level: whole numbers
+  BrickIndex slot;      ///< of the brick to sample
+  int brick_level = 0;  ///< of that brick: the node's, or an ancestor's in a preview
+  NodeIndex parent;     ///< of the node, where levels are blended
+  BrickIndex parent_slot;
+  bool blended = false;       ///< with the parent's brick
+  bool lacks_coarse = false;  ///< that brick is not there
+  int ancestor_level = -1;    ///< of the finest ancestor with a brick, -1 for none
+  BrickIndex ancestor_slot;
+
+  GVX_HD bool lacks() const { return lack != 0 || lacks_coarse; }
+  /// Is it a preview's stand-in for a brick of `level`?
+  GVX_HD bool coarser_than(int wanted) const { return kind == brick && brick_level < wanted; }
+  /// How many levels the brick is coarser than wanted.
+  GVX_HD std::uint32_t lack_of(int wanted) const {
+    return static_cast<std::uint32_t>(wanted - (ancestor_level >= 0 ? ancestor_level : 0));
+  }
+};
+
+/// The cell of `level` that holds a point of tree space: along an axis, nodes of that level across.
+GVX_HD inline double cell_along(double p, double low, double high, double across) {
+  // Rounding, or a ray in the plane of a face, can put a sample a hair outside the volume's box.
+  p = p < low ? low : p < high ? p : high;
+  return std::floor(p * across);
+}
+
+template <typename Voxel, int N, int M>
+class TreeWalk {
+ public:
+  GVX_HD explicit TreeWalk(const PassView<Voxel, N, M>& view) : view_(view) {}
+
+  /// Nodes of a level along an axis.
+  GVX_HD static double across(int level) {
+    double nodes = 1;
+    for (int l = 0; l < level; ++l) nodes *= N;
+    return nodes;
+  }
+
+  /// To the node of `level` at this cell, or as far towards it as there is anything to see; with its parent
+  /// where levels are `blended`. `outdone(node)` says that nothing below a node matters.
+  template <typename Outdone>
+  GVX_HD Place to(int level, bool blended, Vec3d cell, const Outdone& outdone) const {
+    const tree::NodePoolView& nodes = view_.nodes;
+    Place place;
+    const double cells = across(level);
+    Vec3d x = (cell + Vec3d(0.5)) / cells;  // the middle: whatever rounding does to it, it stays in the cell
+    std::uint32_t tile = 0, index = 0;
+    while (true) {
+      view_.tile_usage.touch(tile, view_.pass);
+      place.node = NodeIndex(tile * (N * N * N) + index);
+      const tree::ChildWord child = nodes.child[place.node.value];
+      if (child.transparent() || outdone(place.node)) {
+        place.kind = Place::transparent;
+        return place;
+      }
+      const tree::ContentWord content = nodes.content[place.node.value];
+      if (content.kind() == tree::ContentKind::constant) {
+        place.kind = Place::constant;
+        return place;
+      }
+      const bool has_brick = content.kind() == tree::ContentKind::brick;
+      if (place.level == level || child.terminal()) {
+        place.kind = has_brick ? Place::brick : Place::nothing;
+        place.lack = has_brick ? 0 : cache::kNeedsBrick;
+        place.slot = content.brick();
+        place.brick_level = place.level;
+        if (blended && place.level == level) {
+          const bool parent_here = place.ancestor_level == place.level - 1;
+          place.lacks_coarse = !parent_here;
+          place.blended = parent_here;
+          place.parent_slot = place.ancestor_slot;
+        }
+        return place;
+      }
+      place.parent = place.node;
+      if (has_brick) {
+        place.ancestor_level = place.level;
+        place.ancestor_slot = content.brick();
+      }
+      if (!child.has_children()) {
+        place.lack = cache::kNeedsChildren;
+        return place;
+      }
+      tile = child.children().value;
+      index = 0;
+      int factor = 1;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double scaled = x[axis] * N;
+        int digit = static_cast<int>(scaled);
+        digit = digit < N ? digit : N - 1;
+        x[axis] = scaled - digit;
+        place.cell[axis] = place.cell[axis] * N + digit;
+        index += static_cast<std::uint32_t>(digit * factor);
+        factor *= N;
+      }
+      ++place.level;
+      place.across *= N;
+    }
+  }
+
+  /// Asks for what is missing, and keeps the half that is there of two bricks to blend.
+  GVX_HD void ask(const Place& place, float priority) const {
+    if (place.blended) view_.brick_usage.touch(place.parent_slot.value, view_.pass);
+    if (place.lacks_coarse && place.kind == Place::brick) {
+      view_.brick_usage.touch(place.slot.value, view_.pass);
+    }
+    if (place.lack != 0) view_.requests.request(place.node, place.lack, priority);
+    if (place.lacks_coarse) view_.requests.request(place.parent, cache::kNeedsBrick, priority);
+  }
+
+  /// For previews: replaces a lack by the finest resident ancestor's brick, and asks for the node's own brick
+  /// on the way down.
+  GVX_HD void fall_back(Place& place) const {
+    if (place.lack == 0) return;
+    const bool has_own = view_.nodes.content[place.node.value].kind() == tree::ContentKind::brick;
+    if (!has_own) view_.requests.request(place.node, place.lack | cache::kNeedsBrick, 1.0f);
+    place.kind = place.ancestor_level >= 0 ? Place::brick : Place::nothing;
+    place.slot = place.ancestor_slot;
+    place.brick_level = place.ancestor_level;
+    place.blended = false;
+  }
+
+  /// Keeps the bricks of a place that is about to be sampled.
+  GVX_HD void touch_bricks(const Place& place) const {
+    view_.brick_usage.touch(place.slot.value, view_.pass);
+    if (place.blended) view_.brick_usage.touch(place.parent_slot.value, view_.pass);
+  }
+
+  /// The value ranges of a place's node.
+  GVX_HD ChannelRanges ranges_of(const Place& place) const {
+    ChannelRanges values;
+    for (std::uint32_t c = 0; c < view_.frame.visibility.channels; ++c) {
+      values.channel[c] = view_.nodes.range_of(place.node, c);
+    }
+    return values;
+  }
+
+ private:
+  const PassView<Voxel, N, M>& view_;
+};
+
+/// Where in tree space a brick of `level` that holds a place's node lies: `across` bricks along an axis, its
+/// corner in bricks.
+template <int N>
+struct BrickCorner {
+  double across;
+  Vec3d corner;
+
+  GVX_HD BrickCorner(const Place& place, int level) {
+    double shrink = 1;
+    for (int l = level; l < place.level; ++l) shrink *= N;
+    across = place.across / shrink;
+    for (int axis = 0; axis < 3; ++axis) {
+      corner[axis] = static_cast<double>(static_cast<std::int64_t>(place.cell[axis] / shrink));
+    }
+  }
+};
+
+}  // namespace gvx::render
