@@ -1,11 +1,15 @@
 // gvx's frames for bench/peers: the finest level, one sample a voxel, everything resident.
 //
 //     gvx_peers_gvx STORE.gvx THREADS
+//
+// Samples are classified as the peers classify theirs; GVX_PEERS_CLASSIFICATION=preintegrated shows gvx's own
+// way.
 
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <string>
 
 #include "frames.h"
 #include "gvx/engine/engine.h"
@@ -33,6 +37,10 @@ class GvxSystem : public bench::PeerSystem {
     view_.functions = {view.function};
     view_.lighting = view.lighting;
     view_.samples_per_voxel = 1;
+    const char* classification = std::getenv("GVX_PEERS_CLASSIFICATION");
+    view_.classification = classification != nullptr && std::string(classification) == "preintegrated"
+                               ? scene::Classification::preintegrated
+                               : scene::Classification::post;
     view_.level_of_detail = false;
     // VTK casts between the centres of the outermost voxels: so do all.
     view_.clip = {Vec3d(0.5) / size_, Vec3d(1) - Vec3d(0.5) / size_};

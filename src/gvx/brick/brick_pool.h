@@ -8,6 +8,7 @@
 #include <span>
 
 #include "gvx/brick/brick_layout.h"
+#include "gvx/brick/cell_masks.h"
 #include "gvx/cache/usage_list.h"
 #include "gvx/core/index.h"
 #include "gvx/exec/buffer.h"
@@ -45,6 +46,7 @@ class BrickPool {
   /// `slots` bricks of `brick_bytes` each.
   BrickPool(const exec::Device& device, std::size_t brick_bytes, std::uint32_t slots);
 
+  CellMasks& cell_masks() { return cell_masks_; }
   cache::UsageList& usage() { return usage_; }
   const cache::UsageList& usage() const { return usage_; }
   /// All slots, as bytes.
@@ -59,6 +61,7 @@ class BrickPool {
   std::size_t brick_bytes_;
   exec::Buffer<std::byte> bytes_;
   cache::UsageList usage_;
+  CellMasks cell_masks_;
 };
 
 }  // namespace gvx::brick

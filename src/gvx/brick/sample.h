@@ -64,6 +64,37 @@ GVX_HD inline Vec3f gradient(const Voxel* voxels, Vec3f position) {
   return gradient;
 }
 
+/// A trilinear value and its gradient per voxel in the cell between its eight texels: for less than
+/// gradient(), but it jumps at texels.
+struct CellSample {
+  float value;
+  Vec3f gradient;
+
+  GVX_HD friend CellSample operator+(const CellSample& a, const CellSample& b) {
+    return {a.value + b.value, a.gradient + b.gradient};
+  }
+  GVX_HD friend CellSample operator-(const CellSample& a, const CellSample& b) {
+    return {a.value - b.value, a.gradient - b.gradient};
+  }
+  GVX_HD friend CellSample operator*(float s, const CellSample& a) { return {s * a.value, s * a.gradient}; }
+};
+
+template <int M, typename Voxel>
+GVX_HD inline CellSample cell_sample(const Voxel* voxels, Vec3f position) {
+  constexpr int kRow = BrickLayout<M>::kEdge, kSlice = kRow * kRow;
+  const TexelAxis<M> x(position.x), y(position.y), z(position.z);
+  const Voxel* v = voxels + BrickLayout<M>::offset(x.low, y.low, z.low);
+  const auto low = [&](int offset) { return static_cast<float>(v[offset]); };
+  const auto rise = [&](int offset) { return static_cast<float>(v[offset + 1]) - low(offset); };
+  const float r00 = rise(0), r10 = rise(kRow), r01 = rise(kSlice), r11 = rise(kSlice + kRow);
+  const float c00 = low(0) + x.weight * r00, c10 = low(kRow) + x.weight * r10;
+  const float c01 = low(kSlice) + x.weight * r01, c11 = low(kSlice + kRow) + x.weight * r11;
+  const float c0 = c00 + y.weight * (c10 - c00), c1 = c01 + y.weight * (c11 - c01);
+  const float r0 = r00 + y.weight * (r10 - r00), r1 = r01 + y.weight * (r11 - r01);
+  const float along_y = (c10 - c00) + z.weight * ((c11 - c01) - (c10 - c00));
+  return {c0 + z.weight * (c1 - c0), {r0 + z.weight * (r1 - r0), along_y, c1 - c0}};
+}
+
 /// The standard deviation of the finest voxels that a position's value stands for, trilinear at half the
 /// resolution. `deviations` are those of the plane (core/voxel.h).
 template <int M>

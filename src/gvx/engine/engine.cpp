@@ -130,6 +130,7 @@ render::Pass Engine::pass() {
   pass.requests = residency_.requests();
   pass.number = stamp_;
   pass.lone_ray = lone_ray_;
+  pass.cells = residency_.cell_masks();
   pass.one_ray_at_a_time = one_ray_at_a_time_;
   pass.epoch = film_->epoch();
   return pass;

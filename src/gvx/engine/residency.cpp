@@ -61,6 +61,7 @@ Status Residency::plant_root_brick() {
 void Residency::set_visibility(const scene::Visibility& visibility, bool another) {
   visibility_ = visibility;
   if (!another) return;
+  bricks_.cell_masks().forget_all();
   nodes_.reclassify([&](const ChannelRanges& ranges) { return is_transparent(ranges); });
 }
 

@@ -59,6 +59,7 @@ class Residency {
   const tree::NodePool& nodes() const { return nodes_; }
   const brick::BrickPool& bricks() const { return bricks_; }
   cache::UsageView tile_usage() { return nodes_.usage().view(); }
+  brick::CellMaskView cell_masks() { return bricks_.cell_masks().view(); }
   cache::UsageView brick_usage() { return bricks_.usage().view(); }
   cache::RequestView requests() { return marks_.view(); }
 

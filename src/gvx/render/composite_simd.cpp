@@ -13,6 +13,7 @@
 #include <hwy/highway.h>
 #include <hwy/contrib/math/math-inl.h>
 #include "gvx/render/sample_simd-inl.h"
+#include "gvx/render/shade_simd-inl.h"
 #include "gvx/render/transfer_simd-inl.h"
 // clang-format on
 
@@ -23,11 +24,6 @@ namespace {
 HWY_INLINE Float opacity_of(Float depth) {
   return hn::Sub(all(1), hn::Exp(kFloats, hn::Neg(depth)));
 }
-
-/// scene::Shade.
-struct Shade {
-  Vec3v body, glint;
-};
 
 /// The rays of a vector, and what they go through. kPlain: one brick whose voxels deviate from nothing.
 template <typename Voxel, bool kPlain>
@@ -267,9 +263,9 @@ class Composite {
       seen_at =
           hn::IfThenElse(moved, hn::Div(moment, hn::Sub(one, hn::IfThenElseZero(moved, left))), seen_at);
     }
-    Shade shade{{one, one, one}, {zero, zero, zero}};
+    Shade light{{one, one, one}, {zero, zero, zero}};
     const bool lit = frame_.lighting.lighting.enabled;
-    if (lit) shade = shade_at(held_in_voxel(span.centre, hn::MulAdd(seen_at, span.length, span.begin)));
+    if (lit) light = shade_at(held_in_voxel(span.centre, hn::MulAdd(seen_at, span.length, span.begin)));
     for (int part = 0; part < count; ++part) {
       const Matter& m = matter[part];
       // Lanes of no concern may hold anything: they are kept out by selection, not by a weight of 0.
@@ -278,9 +274,9 @@ class Composite {
       if (none(seen)) continue;
       const Float weight = hn::Mul(hn::Sub(one, opacity_), opacity[part]);
       const Float of_color = hn::Div(weight, hn::IfThenElse(seen, m.part[3], one));
-      color_.x = gather_color(seen, color_.x, m.part[0], of_color, weight, shade.body.x, shade.glint.x, lit);
-      color_.y = gather_color(seen, color_.y, m.part[1], of_color, weight, shade.body.y, shade.glint.y, lit);
-      color_.z = gather_color(seen, color_.z, m.part[2], of_color, weight, shade.body.z, shade.glint.z, lit);
+      color_.x = gather_color(seen, color_.x, m.part[0], of_color, weight, light.body.x, light.glint.x, lit);
+      color_.y = gather_color(seen, color_.y, m.part[1], of_color, weight, light.body.y, light.glint.y, lit);
+      color_.z = gather_color(seen, color_.z, m.part[2], of_color, weight, light.body.z, light.glint.z, lit);
       opacity_ = hn::IfThenElse(seen, hn::Add(opacity_, weight), opacity_);
     }
   }
@@ -322,62 +318,9 @@ class Composite {
         scale = mix(scale, all(batch_.coarse.gradient_scale), blend);
       }
     }
-    const Float zero = hn::Zero(kFloats), one = all(1);
-    const Float inverse_soft = all(1 / frame_.soft_gradient[0]);
-    g = {hn::Mul(g.x, inverse_soft), hn::Mul(g.y, inverse_soft), hn::Mul(g.z, inverse_soft)};
-    const Float steep2 = hn::Min(hn::Mul(hn::Mul(scale, scale), dot(g, g)), all(1e30f));
-    const Float certainty = hn::Div(steep2, hn::Add(steep2, one));
-    const Vec3v world = {to_world(0, g), to_world(1, g), to_world(2, g)};
-    const Float steepness = hn::Sqrt(dot(world, world));
-    const Mask has_normal = hn::Gt(steepness, zero);
-    const Float inverse = hn::Div(one, hn::IfThenElse(has_normal, steepness, one));
-    const Vec3v normal = {hn::Mul(world.x, inverse), hn::Mul(world.y, inverse), hn::Mul(world.z, inverse)};
-    const scene::Lighting& lighting = frame_.lighting.lighting;
-    const Vec3v to_eye = load(batch_.to_eye, lane_);
-    const Float ambient = all(lighting.ambient);
-    Shade shade{{ambient, ambient, ambient}, {zero, zero, zero}};
-    for (int l = 0; l < lighting.lights; ++l) {
-      const scene::Light& light = lighting.light[l];
-      const Vec3f place(frame_.lighting.place[l]);
-      Vec3v to_light = {all(place.x), all(place.y), all(place.z)};
-      if (light.kind == scene::LightKind::point) {
-        const Vec3v point = along(load(batch_.place, lane_), load(batch_.place_per_step, lane_), i);
-        to_light = unit_or_zero(
-            {hn::Sub(to_light.x, point.x), hn::Sub(to_light.y, point.y), hn::Sub(to_light.z, point.z)});
-      }
-      const Float turned = hn::Sub(hn::Abs(dot(normal, to_light)), one);
-      const Float facing = hn::IfThenElse(has_normal, hn::MulAdd(certainty, turned, one), one);
-      const Vec3v between = unit_or_zero(
-          {hn::Add(to_eye.x, to_light.x), hn::Add(to_eye.y, to_light.y), hn::Add(to_eye.z, to_light.z)});
-      const Float half = hn::Abs(dot(normal, between));
-      const Float power = power_of(half, lighting.shininess);
-      const Float glint =
-          hn::IfThenElseZero(has_normal, hn::Mul(hn::Mul(certainty, all(lighting.specular)), power));
-      const Float diffuse = hn::Mul(all(lighting.diffuse), facing);
-      const Float r = all(light.color.x), gr = all(light.color.y), b = all(light.color.z);
-      shade.body = {hn::MulAdd(diffuse, r, shade.body.x), hn::MulAdd(diffuse, gr, shade.body.y),
-                    hn::MulAdd(diffuse, b, shade.body.z)};
-      shade.glint = {hn::MulAdd(glint, r, shade.glint.x), hn::MulAdd(glint, gr, shade.glint.y),
-                     hn::MulAdd(glint, b, shade.glint.z)};
-    }
-    return shade;
-  }
-
-  HWY_INLINE Float to_world(int axis, const Vec3v& g) const {
-    const Vec3f column(frame_.world_to_tree.column[axis]);
-    return dot({all(column.x), all(column.y), all(column.z)}, g);
-  }
-  HWY_INLINE static Vec3v unit_or_zero(const Vec3v& v) {
-    const Float length2 = dot(v, v);
-    const Mask some = hn::Gt(length2, hn::Zero(kFloats));
-    const Float inverse =
-        hn::IfThenElseZero(some, hn::Div(all(1), hn::Sqrt(hn::IfThenElse(some, length2, all(1)))));
-    return {hn::Mul(v.x, inverse), hn::Mul(v.y, inverse), hn::Mul(v.z, inverse)};
-  }
-  HWY_INLINE static Float power_of(Float base, float exponent) {
-    if (exponent == 0) return all(1);
-    constexpr float kLeast = 1e-30f;  // the logarithm of nothing would be none
-    return hn::Exp(kFloats, hn::Mul(all(exponent), hn::Log(kFloats, hn::Max(base, all(kLeast)))));
+    return shade(
+        frame_, scaled(all(1 / frame_.soft_gradient[0]), g), scale, load(batch_.to_eye, lane_),
+        [&]() HWY_ATTR { return along(load(batch_.place, lane_), load(batch_.place_per_step, lane_), i); });
   }
 
   const FrameView& frame_;
@@ -432,7 +375,8 @@ HWY_EXPORT(composite_f32);
 bool composites_batches(const FrameView& frame) {
   const scene::Visibility& visibility = frame.visibility;
   return frame.format.content == VoxelContent::scalar && visibility.mode == scene::Mode::composite &&
-         visibility.channels == 1 && visibility.functions[0].gradient_factor == nullptr;
+         visibility.channels == 1 && visibility.functions[0].gradient_factor == nullptr &&
+         (frame.classification == scene::Classification::preintegrated || frame.step_colors != nullptr);
 }
 
 const char* instruction_set() {

@@ -18,6 +18,10 @@ exec::Buffer<T> upload(const exec::Device& device, const std::vector<T>& values)
   return buffer;
 }
 
+bool scalar_composite(const View& view, const TreePlacement& placement) {
+  return view.mode == scene::Mode::composite && placement.format.content == VoxelContent::scalar;
+}
+
 Status check(const View& view, const TreePlacement& placement) {
   if (view.width < 1 || view.height < 1 || view.width > kLargestPicture || view.height > kLargestPicture) {
     return Error{"picture size: " + std::to_string(view.width) + "x" + std::to_string(view.height) +
@@ -37,6 +41,9 @@ Status check(const View& view, const TreePlacement& placement) {
   if (view.mode != scene::Mode::composite && !scalar) {
     return Error{std::string("mode: a volume of ") + content_name(placement.format.content) +
                  " voxels can only be composited"};
+  }
+  if (view.classification != scene::Classification::preintegrated && !scalar_composite(view, placement)) {
+    return Error{"classification: only scalars that are composited are classified after sampling"};
   }
   if (view.mode == scene::Mode::isosurface && placement.format.planes != 1) {
     return Error{"mode: an isosurface needs a volume of one channel"};
@@ -119,6 +126,17 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
     v.soft_gradient[c] = static_cast<float>(scene::kSoftGradient * scene::TransferView::kEntries /
                                             std::abs(v.visibility.functions[c].to_entry_scale));
   }
+  v.classification = view.classification;
+  const bool by_gradient = v.visibility.functions[0].gradient_factor != nullptr;
+  if (v.classification == scene::Classification::post && scalar_composite(view, placement) &&
+      v.visibility.channels == 1 && !by_gradient && device.kind() == exec::DeviceKind::cpu) {
+    const auto& before = previous != nullptr ? previous->steps_ : nullptr;
+    const std::vector<std::int64_t> strides(v.stride, v.stride + v.max_level + 1);
+    const bool same = before != nullptr && before->tables == frame.tables_[0] &&
+                      before->units_per_tick == v.units_per_tick && before->strides == strides;
+    frame.steps_ = same ? before : make_steps(v, frame.tables_[0]);
+    v.step_colors = frame.steps_->colors.data();
+  }
   v.visibility.isovalue = static_cast<float>((view.isovalue - placement.offset) / placement.scale);
   if (view.mode == scene::Mode::isosurface) v.iso_color = Vec3f(view.functions[0].color(view.isovalue));
   v.lighting = scene::place_lights(view.lighting, v.camera.forward, v.camera.right, v.camera.up);
@@ -156,6 +174,26 @@ std::shared_ptr<const Frame::Tables> Frame::make_tables(const exec::Device& devi
     tables->view.gradient_factor = tables->gradient_factor.view().data;
   }
   return tables;
+}
+
+std::shared_ptr<const Frame::StepTable> Frame::make_steps(const FrameView& view,
+                                                          std::shared_ptr<const Tables> tables) {
+  constexpr std::size_t kEntries = scene::TransferView::kEntries;
+  auto steps = std::make_shared<StepTable>();
+  steps->tables = std::move(tables);
+  steps->units_per_tick = view.units_per_tick;
+  steps->strides.assign(view.stride, view.stride + view.max_level + 1);
+  steps->colors.resize(steps->strides.size() * kEntries);
+  const scene::TransferView& function = steps->tables->view;
+  for (std::size_t level = 0; level < steps->strides.size(); ++level) {
+    const float units = view.units_per_tick * static_cast<float>(steps->strides[level]);
+    for (std::size_t entry = 0; entry < kEntries; ++entry) {
+      const scene::Matter& m = function.matter[entry];
+      if (!(m.extinction > 0.0f)) continue;
+      steps->colors[level * kEntries + entry] = {m.color / m.extinction, 1 - std::exp(-m.extinction * units)};
+    }
+  }
+  return steps;
 }
 
 }  // namespace gvx::render

@@ -28,6 +28,12 @@ namespace gvx::render {
 /// Levels a tree can have: 2^32 nodes across.
 inline constexpr int kMaxLevels = 33;
 
+/// What a step through matter of one value adds: its colour, not multiplied by its opacity.
+struct alignas(16) StepColor {
+  Vec3f color;
+  float opacity = 0;
+};
+
 struct FrameView {
   scene::CameraView camera;
   std::uint32_t width = 0, height = 0;  ///< in rays
@@ -43,6 +49,10 @@ struct FrameView {
   VoxelFormat format;
   scene::Visibility visibility;
   scene::LightingView lighting;
+  scene::Classification classification = scene::Classification::preintegrated;
+  /// On a CPU, post-classified, one channel: what a step of level l adds for each entry of the function is
+  /// step_colors[l * TransferView::kEntries + entry].
+  const StepColor* step_colors = nullptr;
   float units_per_tick = 1;   ///< unit distances of the extinctions
   float voxels_per_step = 1;  ///< of the level that is sampled
   Vec3f iso_color;
@@ -133,12 +143,22 @@ class Frame {
     exec::Buffer<float> gradient_factor;
     scene::TransferView view;
   };
+  /// step_colors of a function, for steps of this many units at the finest level.
+  struct StepTable {
+    std::shared_ptr<const Tables> tables;
+    float units_per_tick = 0;
+    std::vector<std::int64_t> strides;
+    std::vector<StepColor> colors;
+  };
+  static std::shared_ptr<const StepTable> make_steps(const FrameView& view,
+                                                     std::shared_ptr<const Tables> tables);
   static std::shared_ptr<const Tables> make_tables(const exec::Device& device,
                                                    const scene::TransferFunction& function,
                                                    const TreePlacement& placement, double most_extinction);
 
   FrameView view_;
   std::vector<std::shared_ptr<const Tables>> tables_;
+  std::shared_ptr<const StepTable> steps_;
 };
 
 }  // namespace gvx::render

@@ -15,6 +15,7 @@
 #include "gvx/render/composite.h"
 #include "gvx/render/frame.h"
 #include "gvx/render/isosurface.h"
+#include "gvx/render/post_classified.h"
 #include "gvx/render/projection.h"
 #include "gvx/render/ray_state.h"
 #include "gvx/render/stretch.h"
@@ -242,6 +243,7 @@ class RayMarcher {
     }
     if (projects()) return project_stretch(ray, s, state);
     if (frame.visibility.mode == scene::Mode::isosurface) return find_surface(ray, s, state);
+    if (frame.classification == scene::Classification::post) return composite_post(ray, s, state);
     if (frame.visibility.channels == 1) return composite_scalars<1>(ray, s, state);
     composite_scalars<kMaxChannels>(ray, s, state);
   }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "gvx/brick/cell_masks.h"
 #include "gvx/cache/request_marks.h"
 #include "gvx/cache/usage_list.h"
 #include "gvx/core/voxel.h"
@@ -26,6 +27,7 @@ struct Pass {
   const std::byte* bricks = nullptr;  ///< all slots of the brick pool
   cache::UsageView tile_usage, brick_usage;
   cache::RequestView requests;
+  brick::CellMaskView cells;
   std::uint32_t number = 0;  ///< the stamp of this pass
   std::uint32_t epoch = 0;   ///< of the film
   /// If not kAllRays, the one ray that marches, y * width + x: where memory does not hold what two need.

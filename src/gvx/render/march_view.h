@@ -18,6 +18,7 @@ PassView<Voxel, N, M> view_of(const Pass& pass) {
           pass.tile_usage,
           pass.brick_usage,
           pass.requests,
+          pass.cells,
           pass.number};
 }
 

@@ -31,6 +31,9 @@ struct StretchBatch {
   bool blended = false;  ///< the coarse brick is seen too
   Path fine, coarse;
 
+  /// Of the fine brick's cells those that can be seen (visible_cells.h); for post-classification.
+  std::uint64_t cells = ~std::uint64_t(0);
+
   std::uint32_t count = 0;  ///< rays
   alignas(64) std::int32_t steps[kMost];
   /// The coarse brick's share at the centre of the first step and its growth a step; it is held from 0 to 1.
@@ -45,6 +48,9 @@ struct StretchBatch {
   alignas(64) float color[3][kMost];
   alignas(64) float opacity[kMost];
   alignas(64) std::int32_t samples[kMost];
+
+  /// Where a brick of bytes is put for post-classification: each texel beside the one behind it along y.
+  alignas(64) std::uint16_t row_pairs[plane_texels(32)];
 };
 
 /// Are there vectors for this way to look? Scalars of one channel, composited, without opacity by gradient.
@@ -56,5 +62,8 @@ const char* instruction_set();
 /// Adds what is seen of every ray's stretch to what it has gathered. A ray's bits do not depend on the others
 /// in the batch. Only where composites_batches(frame).
 void composite_batch(const FrameView& frame, StretchBatch& batch);
+
+/// The same by post-classification (post_classified.h), in frames that have step_colors.
+void composite_post_batch(const FrameView& frame, StretchBatch& batch);
 
 }  // namespace gvx::render

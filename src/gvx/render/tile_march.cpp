@@ -11,6 +11,7 @@
 #include "gvx/render/march_view.h"
 #include "gvx/render/stretch_batch.h"
 #include "gvx/render/tile_rays.h"
+#include "gvx/render/visible_cells.h"
 
 namespace gvx::render {
 namespace {
@@ -231,7 +232,12 @@ class TileMarcher {
       batch.coarse.gradient_scale = frame.gradient_scale[leaf.step_level - 1];
     }
     fill_batch(frame, work_.rays, work_.chosen, leaf.step_level, fine, coarse, batch);
-    composite_batch(frame, batch);
+    if (frame.classification == scene::Classification::post) {
+      batch.cells = place.blended ? ~std::uint64_t(0) : cells_of(place.slot);
+      if (batch.cells != 0) composite_post_batch(frame, batch);
+    } else {
+      composite_batch(frame, batch);
+    }
     take_back(batch, work_.chosen, work_.rays);
     TileRays& rays = work_.rays;
     for (std::uint32_t i = 0; i < work_.chosen.size; ++i) {
@@ -243,6 +249,12 @@ class TileMarcher {
       if (rays.tick[ray] >= rays.zone_end[ray]) find_zone(ray);
       work_.moving.push(ray);
     }
+  }
+
+  std::uint64_t cells_of(BrickIndex slot) const {
+    return view_.cells.of(slot, [&] {
+      return visible_cells<M>(view_.bricks.brick(slot).voxels, view_.frame.visibility.functions[0]);
+    });
   }
 
   BrickPlace path_of(const Place& place, BrickIndex slot, int level, StretchBatch::Path& path) const {

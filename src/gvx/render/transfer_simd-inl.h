@@ -141,9 +141,13 @@ class Function {
     return m;
   }
 
+  HWY_INLINE Int nearest(Float entry) const {
+    return hn::ConvertTo(kInts, held_in_table(hn::Add(entry, all(0.5f))));
+  }
+
   HWY_INLINE Mask invisible(Float a, Float b) const {
-    return hn::Or(hn::Lt(hn::Max(a, b), all(view_.first_visible)),
-                  hn::Gt(hn::Min(a, b), all(view_.last_visible)));
+    return hn::Or(hn::Le(hn::Max(a, b), all(view_.first_visible)),
+                  hn::Ge(hn::Min(a, b), all(view_.last_visible)));
   }
 
  private:

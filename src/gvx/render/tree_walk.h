@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "gvx/brick/brick_pool.h"
+#include "gvx/brick/cell_masks.h"
 #include "gvx/cache/request_marks.h"
 #include "gvx/cache/usage_list.h"
 #include "gvx/render/frame.h"
@@ -21,6 +22,7 @@ struct PassView {
   brick::BrickPoolView<Voxel, M> bricks;
   cache::UsageView tile_usage, brick_usage;
   cache::RequestView requests;
+  brick::CellMaskView cells;
   std::uint32_t pass = 0;
 };
 

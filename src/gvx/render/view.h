@@ -22,6 +22,8 @@ struct View {
   scene::Camera camera;
   scene::Mode mode = scene::Mode::composite;
   double isovalue = 0;  ///< physical; of isosurfaces
+  /// Of scalars that are composited.
+  scene::Classification classification = scene::Classification::preintegrated;
   /// One a channel; fewer repeat the last. None for colour voxels.
   std::vector<scene::TransferFunction> functions;
   scene::Lighting lighting;

@@ -93,7 +93,7 @@ struct TransferView {
       nullptr;  ///< kGradientEntries, or null: factor of the extinction by gradient
   int entries = 0;
   float integral_unit = 0, integrals_per_unit = 0;  ///< one is the other's inverse
-  float first_visible = 0, last_visible = 0;        ///< entries below and above these cannot be seen
+  float first_visible = 0, last_visible = 0;        ///< up to the one and from the other on nothing is seen
   float even_width = 0;         ///< intervals of no more entries than this are taken to be even
   float even_width_inside = 0;  ///< and of no more than this where both are of the table
   float even_above = 0;         ///< and all that begin no lower than this entry
@@ -170,9 +170,15 @@ struct TransferView {
     return {{density[0], density[1], density[2]}, density[3]};
   }
 
+  /// The whole entry that is nearest to one.
+  GVX_HD int nearest(float entry) const {
+    const float half_above = clamped(entry + 0.5f, static_cast<float>(entries - 1));
+    return static_cast<int>(half_above);
+  }
+
   /// Can no value between two entries be seen? Conservative: true is certain.
   GVX_HD bool invisible(float a, float b) const {
-    return std::fmax(a, b) < first_visible || std::fmin(a, b) > last_visible;
+    return std::fmax(a, b) <= first_visible || std::fmin(a, b) >= last_visible;
   }
 
   /// Matter of a label.

@@ -17,6 +17,12 @@ enum class Mode : std::uint32_t {
   isosurface,  ///< the first surface where the value is the isovalue
 };
 
+/// How values along a ray become matter, where it is composited.
+enum class Classification : std::uint32_t {
+  preintegrated,  ///< a step is the mean matter of all values that it goes through: thin layers are not missed
+  post,           ///< a step is the matter at its centre's value: faster, as most renderers do
+};
+
 /// What the tree is pruned by; the same for all rays of a frame.
 struct Visibility {
   Mode mode = Mode::composite;
