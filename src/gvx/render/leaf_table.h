@@ -13,6 +13,13 @@
 
 namespace gvx::render {
 
+/// Of a node of some level: its place along each axis, in nodes of that level.
+struct Cell {
+  std::int32_t x = 0, y = 0, z = 0;
+
+  bool operator==(const Cell&) const = default;
+};
+
 /// A node at which walks of steps of one level end.
 struct Leaf {
   Place place;
@@ -20,13 +27,13 @@ struct Leaf {
   int step_level = 0;  ///< of those that are taken: coarser in a preview's stand-in
   bool blended = false;
   std::uint32_t lack = 0;  ///< levels that a preview's stand-in is coarser than wanted
-  Vec3d low, high;         ///< its cells, of `level`: low <= cell < high
+  Cell low, high;          ///< its cells, of `level`: low <= cell < high
 
   std::int32_t first_waiting = -1;  ///< of its rays; LeafTable links them
   std::uint32_t waiting = 0;
   float nearest = std::numeric_limits<float>::infinity();  ///< t of the nearest of them
 
-  bool holds(int l, bool b, Vec3d cell) const {
+  bool holds(int l, bool b, Cell cell) const {
     return level == l && blended == b && low.x <= cell.x && cell.x < high.x && low.y <= cell.y &&
            cell.y < high.y && low.z <= cell.z && cell.z < high.z;
   }
@@ -40,8 +47,7 @@ class LeafTable {
   void clear() {
     size_ = 0;
     active_size_ = 0;
-    slots_.fill(0);
-    recent_.fill(0);
+    forget_slots();
   }
 
   bool has_room_for(std::uint32_t more) const { return size_ + more <= kMost; }
@@ -49,19 +55,19 @@ class LeafTable {
   const NodeFaces& faces() const { return faces_; }
 
   /// The leaf that holds this cell of steps of `level`, or kNone. `n` is the tree's.
-  std::uint32_t find(int level, bool blended, Vec3d cell, int n) {
-    for (std::uint32_t& index : recent_) {
-      if (index < size_ && leaves_[index].holds(level, blended, cell)) return index;
-    }
-    Vec3d ancestor = cell;
-    for (int l = level; l >= 0; --l) {
-      for (std::uint32_t slot = slot_of(level, blended, l, ancestor);; slot = (slot + 1) % kSlots) {
-        if (slots_[slot] == 0) break;
-        const std::uint32_t index = slots_[slot] - 1u;
-        const Leaf& leaf = leaves_[index];
-        if (leaf.place.level == l && leaf.holds(level, blended, cell)) return remember(index);
+  std::uint32_t find(int level, bool blended, Cell cell, std::int32_t n) {
+    if (last_ < size_ && leaves_[last_].holds(level, blended, cell)) return last_;
+    const std::uint32_t there = find_slot(level, blended, level, cell);
+    if (slots_[there].age == age_) return last_ = slots_[there].leaf;
+    // A coarser node, perhaps; found once, it is found by this cell too.
+    Cell ancestor = cell;
+    for (int l = level - 1; l >= 0; --l) {
+      ancestor = {ancestor.x / n, ancestor.y / n, ancestor.z / n};
+      const Slot& slot = slots_[find_slot(level, blended, l, ancestor)];
+      if (slot.age == age_ && leaves_[slot.leaf].place.level == l) {
+        use_slot(there, level, blended, level, cell, slot.leaf);
+        return last_ = slot.leaf;
       }
-      for (int axis = 0; axis < 3; ++axis) ancestor[axis] = std::floor(ancestor[axis] / n);
     }
     return kNone;
   }
@@ -71,7 +77,7 @@ class LeafTable {
     GVX_CHECK(size_ < kMost);
     const std::uint32_t index = size_++;
     leaves_[index] = leaf;
-    put_in_slot(index);
+    remember(index);
     const Place& place = leaf.place;
     for (int axis = 0; axis < 3; ++axis) {
       faces_.face[axis][index] = place.cell[axis] / place.across;
@@ -82,7 +88,7 @@ class LeafTable {
     faces_.stride[index] = stride;
     faces_.most_steps[index] = place.kind == Place::brick ? kMostInBrick : 1e15;
     faces_.zoned[index] = zoned ? 1 : 0;
-    return remember(index);
+    return last_ = index;
   }
 
   /// A ray waits before the leaf's brick, at distance t.
@@ -133,7 +139,7 @@ class LeafTable {
     const std::uint32_t before = size_;
     size_ = 0;
     active_size_ = 0;
-    slots_.fill(0);
+    forget_slots();
     for (std::uint32_t i = 0; i < before; ++i) {
       if (leaves_[i].first_waiting < 0) continue;
       const std::uint32_t index = size_++;
@@ -145,7 +151,7 @@ class LeafTable {
       faces_.stride[index] = faces_.stride[i];
       faces_.most_steps[index] = faces_.most_steps[i];
       faces_.zoned[index] = faces_.zoned[i];
-      put_in_slot(index);
+      remember(index);
       active_[active_size_++] = index;
     }
   }
@@ -153,28 +159,51 @@ class LeafTable {
  private:
   static constexpr std::uint32_t kSlots = 4 * kMost;
 
-  static std::uint32_t slot_of(int level, bool blended, int node_level, Vec3d cell) {
+  /// Where a cell of steps of `level`, or an ancestor of `node_level` of theirs, finds its leaf.
+  struct Slot {
+    Cell cell;
+    std::uint16_t steps = 0;  // level, ancestor's level and blending of the steps
+    std::uint16_t leaf = 0;
+    std::uint32_t age = 0;  // of another than the table's: not used
+  };
+
+  static std::uint32_t steps_of(int level, bool blended, int node_level) {
+    return static_cast<std::uint32_t>(level << 7 | node_level << 1 | (blended ? 1 : 0));
+  }
+  std::uint32_t find_slot(int level, bool blended, int node_level, Cell cell) const {
+    const std::uint32_t steps = steps_of(level, blended, node_level);
     // Odd multipliers spread neighbours (Teschner et al., "Optimized spatial hashing", 2003).
-    std::uint64_t hash = static_cast<std::uint64_t>(cell.x) * 73856093u;
-    hash ^= static_cast<std::uint64_t>(cell.y) * 19349663u;
-    hash ^= static_cast<std::uint64_t>(cell.z) * 83492791u;
-    hash ^= static_cast<std::uint64_t>(level * 64 + node_level * 2 + (blended ? 1 : 0)) * 2654435761u;
-    return static_cast<std::uint32_t>((hash ^ hash >> 21) % kSlots);
+    const std::uint32_t hash = static_cast<std::uint32_t>(cell.x) * 73856093u ^
+                               static_cast<std::uint32_t>(cell.y) * 19349663u ^
+                               static_cast<std::uint32_t>(cell.z) * 83492791u ^ steps * 2654435761u;
+    std::uint32_t i = (hash ^ hash >> 15) % kSlots;
+    while (slots_[i].age == age_ && !(slots_[i].cell == cell && slots_[i].steps == steps))
+      i = (i + 1) % kSlots;
+    return i;
   }
-  void put_in_slot(std::uint32_t index) {
+  void use_slot(std::uint32_t i, int level, bool blended, int node_level, Cell cell, std::uint32_t leaf) {
+    slots_[i] = {cell, static_cast<std::uint16_t>(steps_of(level, blended, node_level)),
+                 static_cast<std::uint16_t>(leaf), age_};
+    ++slots_used_;
+  }
+  void forget_slots() {
+    ++age_;
+    slots_used_ = 0;
+    last_ = 0;
+  }
+  void remember(std::uint32_t index) {
     const Leaf& leaf = leaves_[index];
-    std::uint32_t slot = slot_of(leaf.level, leaf.blended, leaf.place.level, leaf.place.cell);
-    while (slots_[slot] != 0) slot = (slot + 1) % kSlots;
-    slots_[slot] = static_cast<std::uint16_t>(index + 1);
-  }
-  std::uint32_t remember(std::uint32_t index) {
-    recent_[oldest_++ % recent_.size()] = index;
-    return index;
+    const Vec3d at = leaf.place.cell;
+    const Cell cell{static_cast<std::int32_t>(at.x), static_cast<std::int32_t>(at.y),
+                    static_cast<std::int32_t>(at.z)};
+    const std::uint32_t i = find_slot(leaf.level, leaf.blended, leaf.place.level, cell);
+    if (slots_[i].age != age_) use_slot(i, leaf.level, leaf.blended, leaf.place.level, cell, index);
   }
 
-  std::uint32_t size_ = 0, active_size_ = 0, oldest_ = 0;
-  std::array<std::uint32_t, 4> recent_{};
-  std::array<std::uint16_t, kSlots> slots_{};  // index + 1, or 0
+  std::uint32_t size_ = 0, active_size_ = 0, slots_used_ = 0;
+  std::uint32_t last_ = 0;  // that was found
+  std::uint32_t age_ = 1;
+  std::array<Slot, kSlots> slots_{};
   std::array<Leaf, kMost> leaves_;
   std::array<std::uint32_t, TileRays::kMost> active_{};  // leaves before which rays wait
   std::array<std::int32_t, TileRays::kMost> next_waiting_{};

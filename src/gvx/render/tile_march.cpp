@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <bit>
 #include <optional>
 
 #include "gvx/core/result.h"
@@ -149,18 +150,19 @@ class TileMarcher {
     moving.size = kept;
   }
 
-  std::uint32_t leaf_at(int level, bool blended, Vec3d cell) {
+  std::uint32_t leaf_at(int level, bool blended, Cell cell) {
     const std::uint32_t known = work_.leaves.find(level, blended, cell, N);
     if (known != LeafTable::kNone) return known;
     Leaf leaf;
     leaf.level = level;
     leaf.blended = blended;
-    leaf.place = walk_.to(level, blended, cell, [](NodeIndex) { return false; });
+    leaf.place = walk_.to(level, blended, {double(cell.x), double(cell.y), double(cell.z)},
+                          [](NodeIndex) { return false; });
     Place& place = leaf.place;
-    double cells = 1;
+    std::int32_t cells = 1;
     for (int l = place.level; l < level; ++l) cells *= N;
-    leaf.low = cells * place.cell;
-    leaf.high = leaf.low + Vec3d(cells);
+    leaf.low = {cell.x / cells * cells, cell.y / cells * cells, cell.z / cells * cells};
+    leaf.high = {leaf.low.x + cells, leaf.low.y + cells, leaf.low.z + cells};
     if (preview_ && place.lack != 0) {
       leaf.lack = place.lack_of(level);
       walk_.fall_back(place);
@@ -240,6 +242,7 @@ class TileMarcher {
     }
     take_back(batch, work_.chosen, work_.rays);
     TileRays& rays = work_.rays;
+    std::uint64_t go_on[TileRays::kMost / 64] = {};
     for (std::uint32_t i = 0; i < work_.chosen.size; ++i) {
       const auto ray = static_cast<std::uint32_t>(work_.chosen.ray[i]);
       if (rays.opacity[ray] >= kOpaque) {
@@ -247,7 +250,13 @@ class TileMarcher {
         continue;
       }
       if (rays.tick[ray] >= rays.zone_end[ray]) find_zone(ray);
-      work_.moving.push(ray);
+      go_on[ray / 64] |= std::uint64_t(1) << ray % 64;
+    }
+    // In the tile's order: rays that stand side by side are loaded side by side.
+    for (std::uint32_t word = 0; word < TileRays::kMost / 64; ++word) {
+      for (std::uint64_t left = go_on[word]; left != 0; left &= left - 1) {
+        work_.moving.push(64 * word + static_cast<std::uint32_t>(std::countr_zero(left)));
+      }
     }
   }
 
@@ -406,7 +415,8 @@ bool marches_tiles(const Pass& pass) {
   const FrameView& frame = pass.frame;
   const double ticks =
       length(frame.box.maximum) * static_cast<double>(frame.stride[0]) * pass.m / frame.voxels_per_step;
-  return !pass.one_ray_at_a_time && composites_batches(frame) && ticks < kMostTicks;
+  const auto across = static_cast<double>(frame.stride[0]);
+  return !pass.one_ray_at_a_time && composites_batches(frame) && ticks < kMostTicks && across <= kMostAcross;
 }
 
 bool tile_march(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,

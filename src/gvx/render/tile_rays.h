@@ -53,10 +53,10 @@ struct RayList {
 
 /// The next steps of the rays of a list, and the nodes that hold them.
 struct RaySteps {
-  alignas(64) double centre[TileRays::kMost];      ///< of the step; negative: behind the visible volume
-  alignas(64) double cell[3][TileRays::kMost];     ///< of the ray's level
-  alignas(64) std::int32_t node[TileRays::kMost];  ///< its place in NodeFaces
-  alignas(64) double steps[TileRays::kMost];       ///< whose centres are in the node
+  alignas(64) double centre[TileRays::kMost];         ///< of the step; negative: behind the visible volume
+  alignas(64) std::int32_t cell[3][TileRays::kMost];  ///< of the ray's level
+  alignas(64) std::int32_t node[TileRays::kMost];     ///< its place in NodeFaces
+  alignas(64) double steps[TileRays::kMost];          ///< whose centres are in the node
 };
 
 /// What rays must know of nodes to leave them.
@@ -68,6 +68,9 @@ struct NodeFaces {
   alignas(64) double most_steps[kMost];
   alignas(64) double zoned[kMost];  ///< 1: steps end with the ray's zone; 0: a preview's coarser steps do not
 };
+
+/// The finest level whose cells are counted here.
+inline constexpr double kMostAcross = 1 << 30;
 
 /// The rays through the pixels (x0 + i * apart, y0 + j * apart) for i below the tile's edge and j below
 /// `rows`; the place of each is j * edge + i.

@@ -114,52 +114,93 @@ void set_up_all(const FrameView& frame, double x0, double y0, double apart, std:
   }
 }
 
-void find_cells_of(const FrameView& frame, const TileRays& rays, const RayList& list, RaySteps& steps) {
-  for (std::size_t i = 0; i < list.size; i += hn::Lanes(kDoubles)) {
-    const Long ray = load_indices(list.ray + i);
-    const Double to_centre = hn::Add(gather(rays.tick, ray), hn::Mul(all(0.5), gather(rays.stride, ray)));
-    const Double centre = hn::Add(gather(rays.enter, ray), hn::Mul(to_centre, all(frame.tick_world)));
-    const Mask within = hn::Lt(centre, gather(rays.exit, ray));
-    hn::Store(hn::IfThenElse(within, centre, all(-1)), kDoubles, steps.centre + i);
-    const Double across = gather(rays.across, ray);
-    for (int axis = 0; axis < 3; ++axis) {
-      const Double way = hn::Mul(centre, gather(rays.direction[axis], ray));
-      const Double p = hn::Add(gather(rays.origin[axis], ray), way);
-      // cell_along of tree_walk.h.
-      const Double held = hn::Min(hn::Max(p, all(frame.box.minimum[axis])), all(frame.last_inside[axis]));
-      hn::Store(hn::Floor(hn::Mul(held, across)), kDoubles, steps.cell[axis] + i);
+/// Reads and writes what belongs to rays that stand anywhere in the tile.
+struct Anywhere {
+  Long ray;
+
+  HWY_INLINE Double read(const double* values) const { return gather(values, ray); }
+  HWY_INLINE void write(Double value, double* values) const {
+    hn::ScatterIndex(value, kDoubles, values, ray);
+  }
+};
+/// Of rays that stand side by side.
+struct SideBySide {
+  std::size_t first;
+
+  HWY_INLINE Double read(const double* values) const { return hn::LoadU(kDoubles, values + first); }
+  HWY_INLINE void write(Double value, double* values) const { hn::StoreU(value, kDoubles, values + first); }
+};
+
+/// Calls step(i, access) for each vector of a list's rays, which ascend. Those of a tile's row often move
+/// together.
+template <typename Step>
+HWY_INLINE void for_vectors(const RayList& list, const Step& step) {
+  constexpr std::size_t kLanes = hn::MaxLanes(kDoubles);
+  for (std::size_t i = 0; i < list.size; i += kLanes) {
+    const std::int32_t first = list.ray[i];
+    const bool whole = i + kLanes <= list.size;
+    if (whole && list.ray[i + kLanes - 1] - first == static_cast<std::int32_t>(kLanes) - 1) {
+      step(i, SideBySide{static_cast<std::size_t>(first)});
+    } else {
+      step(i, Anywhere{load_indices(list.ray + i)});
     }
   }
+}
+
+/// Where rays come from: the eye is the same for all.
+template <typename Access>
+HWY_INLINE Double origin_of(const FrameView& frame, const TileRays& rays, const Access& access, int axis) {
+  return frame.camera.orthographic ? access.read(rays.origin[axis]) : all(rays.origin[axis][0]);
+}
+
+void find_cells_of(const FrameView& frame, const TileRays& rays, const RayList& list, RaySteps& steps) {
+  for_vectors(list, [&](std::size_t i, const auto& access) HWY_ATTR {
+    const Double to_centre = hn::Add(access.read(rays.tick), hn::Mul(all(0.5), access.read(rays.stride)));
+    const Double centre = hn::Add(access.read(rays.enter), hn::Mul(to_centre, all(frame.tick_world)));
+    const Mask within = hn::Lt(centre, access.read(rays.exit));
+    hn::Store(hn::IfThenElse(within, centre, all(-1)), kDoubles, steps.centre + i);
+    const Double across = access.read(rays.across);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Double way = hn::Mul(centre, access.read(rays.direction[axis]));
+      const Double p = hn::Add(origin_of(frame, rays, access, axis), way);
+      // cell_along of tree_walk.h.
+      const Double held = hn::Min(hn::Max(p, all(frame.box.minimum[axis])), all(frame.last_inside[axis]));
+      hn::Store(hn::DemoteTo(kHalfInts, hn::Mul(held, across)), kHalfInts, steps.cell[axis] + i);
+    }
+  });
 }
 
 /// RayMarcher::take.
 void leave_nodes_of(const FrameView& frame, const NodeFaces& nodes, const RayList& list, RaySteps& steps,
                     TileRays& rays) {
   const Double zero = hn::Zero(kDoubles), one = all(1);
-  for (std::size_t i = 0; i < list.size; i += hn::Lanes(kDoubles)) {
-    const Long ray = load_indices(list.ray + i), node = load_indices(steps.node + i);
-    Double exit = gather(rays.exit, ray);
+  const Long to_high = hn::Set(kLongs, NodeFaces::kMost);
+  const bool zones = frame.lod_distance[0] < 1e300;
+  for_vectors(list, [&](std::size_t i, const auto& access) HWY_ATTR {
+    const Long node = load_indices(steps.node + i);
+    Double exit = access.read(rays.exit);
     for (int axis = 0; axis < 3; ++axis) {
-      const Double direction = gather(rays.direction[axis], ray);
+      const Double direction = access.read(rays.direction[axis]);
       const Long high =
-          hn::BitCast(kLongs, hn::IfThenElseZero(hn::Gt(direction, zero),
-                                                 hn::BitCast(kDoubles, hn::Set(kLongs, NodeFaces::kMost))));
+          hn::BitCast(kLongs, hn::IfThenElseZero(hn::Gt(direction, zero), hn::BitCast(kDoubles, to_high)));
       const Double face = gather(nodes.face[axis], hn::Add(node, high));
-      const Double t =
-          hn::Mul(hn::Sub(face, gather(rays.origin[axis], ray)), gather(rays.inverse[axis], ray));
+      const Double from = origin_of(frame, rays, access, axis);
+      const Double t = hn::Mul(hn::Sub(face, from), access.read(rays.inverse[axis]));
       exit = hn::IfThenElse(hn::And(hn::Lt(t, exit), hn::Ne(direction, zero)), t, exit);
     }
-    const Double stride = gather(nodes.stride, node), tick = gather(rays.tick, ray);
+    const Double stride = gather(nodes.stride, node), tick = access.read(rays.tick);
     const Double centre = hn::Load(kDoubles, steps.centre + i);
     const Double count = hn::Div(hn::Sub(exit, centre), hn::Mul(all(frame.tick_world), stride));
     Double whole = hn::Ceil(hn::IfThenElse(hn::Gt(count, one), hn::Min(count, all(1e15)), one));
-    const Double to_zone_end = hn::Div(hn::Sub(gather(rays.zone_end, ray), tick), stride);
-    const Mask zoned = hn::Gt(gather(nodes.zoned, node), zero);
-    whole = hn::IfThenElse(zoned, hn::Min(whole, to_zone_end), whole);
+    if (zones) {
+      const Double to_zone_end = hn::Div(hn::Sub(access.read(rays.zone_end), tick), stride);
+      const Mask zoned = hn::Gt(gather(nodes.zoned, node), zero);
+      whole = hn::IfThenElse(zoned, hn::Min(whole, to_zone_end), whole);
+    }
     whole = hn::Min(whole, gather(nodes.most_steps, node));
     hn::Store(whole, kDoubles, steps.steps + i);
-    hn::ScatterIndex(hn::Add(tick, hn::Mul(whole, stride)), kDoubles, rays.tick, ray);
-  }
+    access.write(hn::Add(tick, hn::Mul(whole, stride)), rays.tick);
+  });
 }
 
 HWY_INLINE void fill_path(const TileRays& rays, Long ray, Double centre, Double t_step,
