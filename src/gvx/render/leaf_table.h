@@ -29,8 +29,8 @@ struct Leaf {
   std::uint32_t lack = 0;  ///< levels that a preview's stand-in is coarser than wanted
   Cell low, high;          ///< its cells, of `level`: low <= cell < high
 
-  std::int32_t first_waiting = -1;  ///< of its rays; LeafTable links them
-  std::uint32_t waiting = 0;
+  std::uint64_t waiting[TileRays::kMost / 64] = {};        ///< a bit for each ray that waits
+  bool active = false;                                     ///< one does
   float nearest = std::numeric_limits<float>::infinity();  ///< t of the nearest of them
 
   bool holds(int l, bool b, Cell cell) const {
@@ -92,12 +92,11 @@ class LeafTable {
   }
 
   /// A ray waits before the leaf's brick, at distance t.
-  void wait(std::uint32_t index, std::int32_t ray, double t) {
+  void wait(std::uint32_t index, std::uint32_t ray, double t) {
     Leaf& leaf = leaves_[index];
-    if (leaf.first_waiting < 0) active_[active_size_++] = index;
-    next_waiting_[static_cast<std::size_t>(ray)] = leaf.first_waiting;
-    leaf.first_waiting = ray;
-    ++leaf.waiting;
+    if (!leaf.active) active_[active_size_++] = index;
+    leaf.active = true;
+    leaf.waiting[ray / 64] |= std::uint64_t(1) << ray % 64;
     leaf.nearest = std::fmin(leaf.nearest, static_cast<float>(t));
   }
 
@@ -115,16 +114,15 @@ class LeafTable {
     return nearest;
   }
 
-  /// Moves the rays that wait before a leaf to a list.
+  /// Moves the rays that wait before a leaf to a list, in their order.
   void release(std::uint32_t index, RayList& list) {
     Leaf& leaf = leaves_[index];
     list.size = 0;
-    for (std::int32_t ray = leaf.first_waiting; ray >= 0;
-         ray = next_waiting_[static_cast<std::size_t>(ray)]) {
-      list.ray[list.size++] = ray;
+    for (std::uint32_t word = 0; word < TileRays::kMost / 64; ++word) {
+      list.push_bits(64 * word, leaf.waiting[word]);
+      leaf.waiting[word] = 0;
     }
-    leaf.first_waiting = -1;
-    leaf.waiting = 0;
+    leaf.active = false;
     leaf.nearest = std::numeric_limits<float>::infinity();
     for (std::uint32_t i = 0; i < active_size_; ++i) {
       if (active_[i] == index) {
@@ -141,7 +139,7 @@ class LeafTable {
     active_size_ = 0;
     forget_slots();
     for (std::uint32_t i = 0; i < before; ++i) {
-      if (leaves_[i].first_waiting < 0) continue;
+      if (!leaves_[i].active) continue;
       const std::uint32_t index = size_++;
       leaves_[index] = leaves_[i];
       for (int axis = 0; axis < 3; ++axis) {
@@ -206,7 +204,6 @@ class LeafTable {
   std::array<Slot, kSlots> slots_{};
   std::array<Leaf, kMost> leaves_;
   std::array<std::uint32_t, TileRays::kMost> active_{};  // leaves before which rays wait
-  std::array<std::int32_t, TileRays::kMost> next_waiting_{};
   NodeFaces faces_;
 };
 

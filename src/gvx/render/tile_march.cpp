@@ -2,7 +2,6 @@
 
 #include <array>
 #include <atomic>
-#include <bit>
 #include <optional>
 
 #include "gvx/core/result.h"
@@ -22,7 +21,7 @@ struct Workspace {
   TileRays rays;
   LeafTable leaves;
   StretchBatch batch;
-  RayList moving, chosen;
+  RayList moving, waited, chosen;
   RaySteps steps;
   PreviewPixel pixel[TileRays::kMost];  // their counts
 };
@@ -175,8 +174,7 @@ class TileMarcher {
 
   /// What becomes of moving ray i in its node. Does it go on to the next?
   bool goes_on(std::uint32_t i) {
-    const std::int32_t ray = work_.moving.ray[i];
-    const auto r = static_cast<std::uint32_t>(ray);
+    const auto r = static_cast<std::uint32_t>(work_.moving.ray[i]);
     TileRays& rays = work_.rays;
     const auto index = static_cast<std::uint32_t>(work_.steps.node[i]);
     const Leaf& leaf = work_.leaves[index];
@@ -188,8 +186,8 @@ class TileMarcher {
     }
     if (leaf.place.kind == Place::brick) {
       rays.centre[r] = work_.steps.centre[i];
-      rays.steps[r] = work_.steps.steps[i];
-      work_.leaves.wait(index, ray, work_.steps.centre[i]);
+      rays.steps[r] = static_cast<std::int32_t>(work_.steps.steps[i]);
+      work_.leaves.wait(index, r, work_.steps.centre[i]);
       return false;
     }
     if (leaf.place.kind == Place::constant) {
@@ -217,7 +215,7 @@ class TileMarcher {
     const Leaf& leaf = work_.leaves[index];
     const FrameView& frame = view_.frame;
     StretchBatch& batch = work_.batch;
-    work_.leaves.release(index, work_.chosen);
+    work_.leaves.release(index, work_.waited);
     order_by_steps();
     const Place& place = leaf.place;
     batch.units = frame.units_per_tick * static_cast<float>(frame.stride[leaf.step_level]);
@@ -254,9 +252,7 @@ class TileMarcher {
     }
     // In the tile's order: rays that stand side by side are loaded side by side.
     for (std::uint32_t word = 0; word < TileRays::kMost / 64; ++word) {
-      for (std::uint64_t left = go_on[word]; left != 0; left &= left - 1) {
-        work_.moving.push(64 * word + static_cast<std::uint32_t>(std::countr_zero(left)));
-      }
+      work_.moving.push_bits(64 * word, go_on[word]);
     }
   }
 
@@ -274,21 +270,20 @@ class TileMarcher {
 
   /// Rays of a vector go as far as the one that goes farthest: those that go as far are put together.
   void order_by_steps() {
-    constexpr std::size_t kLengths = 128;
-    const RayList& chosen = work_.chosen;
+    constexpr std::int32_t kLengths = 128;
+    const RayList& waited = work_.waited;
+    RayList& chosen = work_.chosen;
     const auto length_of = [&](std::int32_t ray) {
-      const double steps = work_.rays.steps[static_cast<std::size_t>(ray)];
-      return steps < double(kLengths) ? static_cast<std::size_t>(steps) : kLengths - 1;
+      const std::int32_t steps = work_.rays.steps[static_cast<std::size_t>(ray)];
+      return static_cast<std::size_t>(steps < kLengths ? steps : kLengths - 1);
     };
     std::array<std::uint16_t, kLengths + 1> first{};
-    for (std::uint32_t i = 0; i < chosen.size; ++i) ++first[length_of(chosen.ray[i]) + 1];
+    for (std::uint32_t i = 0; i < waited.size; ++i) ++first[length_of(waited.ray[i]) + 1];
     for (std::size_t i = 1; i < first.size(); ++i)
       first[i] = static_cast<std::uint16_t>(first[i] + first[i - 1]);
-    RayList ordered;
-    ordered.size = chosen.size;
-    for (std::uint32_t i = 0; i < chosen.size; ++i)
-      ordered.ray[first[length_of(chosen.ray[i])]++] = chosen.ray[i];
-    work_.chosen = ordered;
+    for (std::uint32_t i = 0; i < waited.size; ++i)
+      chosen.ray[first[length_of(waited.ray[i])]++] = waited.ray[i];
+    chosen.size = waited.size;
   }
 
   void step_back() {
@@ -298,7 +293,7 @@ class TileMarcher {
       work_.leaves.release(nearest, work_.chosen);
       for (std::uint32_t i = 0; i < work_.chosen.size; ++i) {
         const auto ray = static_cast<std::uint32_t>(work_.chosen.ray[i]);
-        work_.rays.tick[ray] -= work_.rays.steps[ray] * stride;
+        work_.rays.tick[ray] -= static_cast<double>(work_.rays.steps[ray]) * stride;
       }
     }
   }

@@ -4,6 +4,7 @@
 /// other rays nor on the instruction set.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
 #include "gvx/exec/tile_grid.h"
@@ -35,7 +36,7 @@ struct TileRays {
 
   /// The stretch that a ray stands before.
   alignas(64) double centre[kMost];  ///< of its first step
-  alignas(64) double steps[kMost];
+  alignas(64) std::int32_t steps[kMost];
 
   /// RayState.
   alignas(64) float color[3][kMost];
@@ -49,6 +50,10 @@ struct RayList {
   alignas(64) std::int32_t ray[TileRays::kMost];
 
   void push(std::uint32_t index) { ray[size++] = static_cast<std::int32_t>(index); }
+  /// Those from `first` on whose bits are set, in their order.
+  void push_bits(std::uint32_t first, std::uint64_t bits) {
+    for (; bits != 0; bits &= bits - 1) push(first + static_cast<std::uint32_t>(std::countr_zero(bits)));
+  }
 };
 
 /// The next steps of the rays of a list, and the nodes that hold them.

@@ -238,7 +238,7 @@ void fill_batch_of(const FrameView& frame, const TileRays& rays, const RayList& 
       hn::Store(to_floats(share), kHalfFloats, batch.blend + i);
       hn::Store(to_floats(hn::Mul(t_step, all(share_slope))), kHalfFloats, batch.blend_per_step + i);
     }
-    hn::Store(hn::DemoteTo(kHalfInts, gather(rays.steps, ray)), kHalfInts, batch.steps + i);
+    hn::Store(hn::GatherIndex(kHalfInts, rays.steps, short_ray), kHalfInts, batch.steps + i);
     for (int c = 0; c < 3; ++c) {
       hn::Store(gather_floats(rays.color[c], short_ray), kHalfFloats, batch.color[c] + i);
     }
