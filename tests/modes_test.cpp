@@ -43,6 +43,55 @@ TEST(Modes, projections_and_isosurfaces_equal_the_reference) {
   variant("isosurface", scene::Mode::isosurface, 35);  // a ray that just misses is all or nothing
 }
 
+TEST(Modes, post_classification_comes_to_the_same_in_short_steps) {
+  TestScene scene = analytic_scene("post", ball, {60, 50, 40}, {1, 1.2, 1}, 2, 16);
+  scene.view.classification = scene::Classification::post;
+  scene.view.samples_per_voxel = 8;
+  scene.view.lighting.enabled = false;
+  expect_right(scene, "post-classified, eight samples a voxel", 70);
+  // Gradients of cells are not those of the reference.
+  scene.view.lighting.enabled = true;
+  expect_right(scene, "the same, lit", 45);
+  const auto scaled = [](auto field) { return [field](Vec3d p) { return std::round(255 * field(p)); }; };
+  scene = planar_scene("post_two", {VoxelType::u8, VoxelContent::scalar, 2}, {scaled(ball), scaled(waves)},
+                       {50, 44, 40}, 2, 8);
+  scene.view.functions = {{{{0, {1, 0.4, 0.2}}}, {{90, 0}, {230, 0.3}}, 0},
+                          {{{0, {0.2, 0.6, 1}}}, {{90, 0}, {230, 0.3}}, 0}};
+  scene.view.classification = scene::Classification::post;
+  scene.view.samples_per_voxel = 8;
+  scene.view.lighting.enabled = false;
+  expect_right(scene, "two channels, post-classified", 45);
+}
+
+TEST(Modes, what_a_function_hid_is_seen_under_the_next) {
+  TestScene scene = analytic_scene("hidden_cells", waves, {50, 50, 50}, {1, 1, 1}, 2, 16);
+  scene.view.classification = scene::Classification::post;
+  const auto engine = engine::Engine::create(exec::Device::cpu(), scene.open(), {}).value();
+  for (const double least : {0.7, 0.3, 0.55, 0.1}) {
+    scene.view.functions[0].opacities = {{least, 0}, {least + 0.05, 0.6}};
+    ASSERT_TRUE(engine->look(scene.view).ok());
+    ASSERT_TRUE(engine->render_exact().ok());
+    EXPECT_EQ(engine->picture().rgba, render_exact(scene).rgba) << least;
+  }
+}
+
+TEST(Modes, matter_begins_behind_the_onset) {
+  // Air of exactly the value where a function begins is nothing, in bricks that hold more than air too.
+  TestScene scene = analytic_scene(
+      "onset", [](Vec3d p) { return p.x < 0.5 || p.y < 0.5 ? 0.0 : 1.0; }, {40, 40, 40}, {1, 1, 1}, 2, 32);
+  scene.view.functions[0].opacities = {{0, 0}, {1, 0.5}};
+  scene.view.opaque_background = false;
+  scene.view.camera = {{10, 10, -100}, {10, 10, 0}, {0, 1, 0}, 30, 8};  // through air alone
+  for (const scene::Classification how :
+       {scene::Classification::preintegrated, scene::Classification::post}) {
+    for (const bool one_ray : {false, true}) {
+      scene.view.classification = how;
+      const render::Picture picture = render_exact(scene, exec::Device::cpu(), {512u << 20, {}, one_ray});
+      for (std::size_t i = 3; i < picture.rgba.size(); i += 4) ASSERT_EQ(picture.rgba[i], 0) << i;
+    }
+  }
+}
+
 TEST(Modes, an_isosurface_is_where_the_value_is) {
   // Of a distance the isosurface is a ball: what it covers is known.
   TestScene scene = analytic_scene(
@@ -169,6 +218,9 @@ TEST(Modes, what_cannot_be_looked_at_so_is_an_error) {
   TestScene labels = planar_scene("bad", {VoxelType::u8, VoxelContent::labels, 1},
                                   {[](Vec3d p) { return std::floor(3 * p.x); }}, {20, 20, 20}, 2, 8);
   EXPECT_TRUE(look(labels).ok());
+  labels.view.classification = scene::Classification::post;
+  EXPECT_FALSE(look(labels).ok());
+  labels.view.classification = scene::Classification::preintegrated;
   labels.view.mode = scene::Mode::maximum;
   EXPECT_FALSE(look(labels).ok());
   TestScene two =

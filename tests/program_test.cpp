@@ -213,6 +213,7 @@ TEST_F(Program, a_saved_scene_gives_the_same_picture_and_flags_override_it) {
       "--antialias 2 --tf map.json --gradient-opacity 0,0,20,1 --light directional:0,-1,1:1,0.5,0.2 "
       "--light camera:0,0,1 --ambient 0.1 --diffuse 0.8 --specular 0.4 --shininess 10",
       "--mode maximum --camera 'fov=20' --background 0.1,0.2,0.3 --finest --samples 3",
+      "--classification post --tf map.json",
       "--mode isosurface --isovalue 120 --transparent --clip 0,0,0,0.5,1,1",
       "--flat --tf solid --camera 'height=60'",
       "--key-frame '0:eye=0,-90,20' --key-frame '10:eye=90,0,20'"};
@@ -295,6 +296,7 @@ TEST_F(Program, bad_scenes_are_one_line_that_names_the_field) {
   expect_error("render ball.gvx -o a.png --gradient-opacity 1,2,3", "--gradient-opacity");
   expect_error("render ball.gvx -o a.png --gradient-opacity 0,2", "gradient point 1");
   expect_error("render ball.gvx -o a.png --mode maximum --gradient-opacity 0,1", "only mode composite");
+  expect_error("render ball.gvx -o a.png --mode maximum --classification post", "classification");
   expect_error("render ball.gvx -o a.png --key-frame eye=1,2,3", "--key-frame");
   expect_error("render ball.gvx -o a.png --frames 5-2", "--frames");
   expect_error("render ball.gvx -o a.png --frames 0", "--frames");
@@ -308,7 +310,8 @@ TEST_F(Program, bad_command_lines_are_one_line_and_status_2) {
         "build x.raw -o y.gvx --codec zip", "render sponge -o a.png --device abacus",
         "render sponge -o a.png --threads -3", "render sponge -o a.png --exact --budget 5ms",
         "render sponge -o a.png --frames 3 --budget 5ms", "render sponge -o a.png --budget-frames 3",
-        "render sponge -o a.png --mode xray", "render sponge -o a.png --ambient much", "info"}) {
+        "render sponge -o a.png --mode xray", "render sponge -o a.png --classification best",
+        "render sponge -o a.png --ambient much", "info"}) {
     const Outcome outcome = gvx(arguments);
     EXPECT_EQ(outcome.status, 2) << arguments << outcome.output;
     EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;

@@ -67,6 +67,12 @@ void SceneFlags::add_to(CLI::App& command) {
       ->check(CLI::IsMember(
           std::vector<std::string>(std::begin(scene::kModeNames), std::end(scene::kModeNames))));
   command.add_option("--isovalue", isovalue_, "Physical, of an isosurface");
+  command
+      .add_option("--classification", classification_,
+                  "preintegrated: a step shows all values that it goes through; post: those at its centre, "
+                  "which is faster and can miss thin layers (preintegrated)")
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(scene::kClassificationNames),
+                                                     std::end(scene::kClassificationNames))));
   one_at_a_time(
       command.add_option("--tf", functions_,
                          "Transfer function, one a channel: a ParaView JSON colour map, or a preset: " +
@@ -108,6 +114,9 @@ Status SceneFlags::apply(scene::SceneFile& scene) const {
   if (!camera_.empty() || !key_frames_.empty()) scene.camera_path.clear();
   if (const auto mode = index_of(scene::kModeNames, mode_)) scene.mode = static_cast<scene::Mode>(*mode);
   if (isovalue_) scene.isovalue = isovalue_;
+  if (const auto how = index_of(scene::kClassificationNames, classification_)) {
+    scene.classification = static_cast<scene::Classification>(*how);
+  }
   if (!functions_.empty()) scene.functions.clear();
   for (const std::string& name : functions_) scene.functions.push_back({.from = name});
   GVX_TRY(apply_lighting(scene.lighting));

@@ -36,7 +36,7 @@ class SceneFlags {
   Status apply_lighting(scene::LightingParts& lighting) const;
   Status apply_raw(scene::RawParts& raw) const;
 
-  std::string volume_, size_, camera_, mode_, clip_, background_, gradients_;
+  std::string volume_, size_, camera_, mode_, classification_, clip_, background_, gradients_;
   std::vector<std::string> key_frames_, functions_, lights_;
   std::optional<std::uint32_t> antialias_;
   std::optional<double> isovalue_, ambient_, diffuse_, specular_, shininess_, samples_, detail_;

@@ -111,6 +111,7 @@ Result<scene::SceneFile> complete(scene::SceneFile scene, const SceneFlags& flag
   for (scene::KeyFrameParts& key : scene.camera_path)
     key.camera = scene::CameraParts(key.camera.over(camera));
   if (!scene.mode) scene.mode = standard.mode;
+  if (!scene.classification) scene.classification = standard.classification;
   GVX_TRY(check_isovalue(scene, flags, value_statistics(tree, 0)));
   GVX_ASSIGN(scene.functions, complete_functions(scene, flags, opened));
   scene.lighting = scene::LightingParts(scene.lighting.over(standard.lighting));
@@ -132,6 +133,7 @@ Result<render::View> make_view(const scene::SceneFile& scene, const Scene& opene
   view.camera = scene.camera.over({});
   view.mode = *scene.mode;
   view.isovalue = scene.isovalue.value_or(0);
+  view.classification = *scene.classification;
   for (std::size_t channel = 0; channel < scene.functions.size(); ++channel) {
     auto function = open_function(scene.functions[channel], value_statistics(tree, channel));
     if (!function.ok())

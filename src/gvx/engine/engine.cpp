@@ -32,6 +32,16 @@ constexpr int kMostStuckPasses = 300;
 // Production threads beside a GPU, whose own host thread mostly waits.
 constexpr int kCudaProducers = 8;
 
+Status check(const produce::TreeDescription& tree) {
+  if (tree.max_level >= render::kMaxLevels) {
+    return Error{"volume: " + std::to_string(tree.max_level + 1) + " levels; the renderer knows " +
+                 std::to_string(render::kMaxLevels)};
+  }
+  return check_placement(tree.tree_to_world);
+}
+
+}  // namespace
+
 render::TreePlacement placement_of(const produce::TreeDescription& tree) {
   return {static_cast<int>(tree.n),
           static_cast<int>(tree.m),
@@ -43,16 +53,6 @@ render::TreePlacement placement_of(const produce::TreeDescription& tree) {
           tree.offset,
           tree.ranges};
 }
-
-Status check(const produce::TreeDescription& tree) {
-  if (tree.max_level >= render::kMaxLevels) {
-    return Error{"volume: " + std::to_string(tree.max_level + 1) + " levels; the renderer knows " +
-                 std::to_string(render::kMaxLevels)};
-  }
-  return check_placement(tree.tree_to_world);
-}
-
-}  // namespace
 
 Result<std::unique_ptr<Engine>> Engine::create(const exec::Device& device,
                                                std::shared_ptr<const produce::Producer> producer,

@@ -29,6 +29,9 @@ struct EngineOptions {
   bool one_ray_at_a_time = false;
 };
 
+/// Where frames find a tree.
+render::TreePlacement placement_of(const produce::TreeDescription& tree);
+
 /// One volume, one device, one picture at a time. Not thread-safe.
 class Engine {
  public:

@@ -203,6 +203,9 @@ Result<SceneFile> read_document(const Json& document) {
   read_items(fields, "cameraPath", scene.camera_path, read_key_frame);
   if (const auto mode = fields.choice("mode", kModeNames)) scene.mode = static_cast<Mode>(*mode);
   scene.isovalue = fields.number("isovalue", kAny);
+  if (const auto how = fields.choice("classification", kClassificationNames)) {
+    scene.classification = static_cast<Classification>(*how);
+  }
   read_functions(fields, scene);
   read_object(fields, "lighting", scene.lighting, read_lighting);
   if (const auto clip = fields.row("clip", {kAny, kAny, kAny, kAny, kAny, kAny})) {

@@ -20,6 +20,7 @@
 namespace gvx::scene {
 
 /// The names of Mode and LightKind, in their order.
+inline constexpr const char* kClassificationNames[] = {"preintegrated", "post"};
 inline constexpr const char* kModeNames[] = {"composite", "maximum", "minimum", "mean", "isosurface"};
 inline constexpr const char* kLightKindNames[] = {"camera", "directional", "point"};
 
@@ -89,6 +90,7 @@ struct SceneFile {
   std::vector<KeyFrameParts> camera_path;  ///< parts that are left out are those of `camera`
   std::optional<Mode> mode;
   std::optional<double> isovalue;
+  std::optional<Classification> classification;
   std::vector<FunctionParts> functions;  ///< one a channel; fewer repeat the last
   LightingParts lighting;
   std::optional<Box3d> clip;

@@ -175,6 +175,9 @@ std::string to_json(const SceneFile& scene) {
   put_unless_empty(document, "cameraPath", std::move(path));
   if (scene.mode) document["mode"] = kModeNames[static_cast<std::size_t>(*scene.mode)];
   put(document, "isovalue", scene.isovalue);
+  if (scene.classification) {
+    document["classification"] = kClassificationNames[static_cast<std::size_t>(*scene.classification)];
+  }
   for (const FunctionParts& function : scene.functions) functions.push_back(to_object(function));
   put_unless_empty(document, "functions", std::move(functions));
   put_unless_empty(document, "lighting", to_object(scene.lighting));

@@ -23,6 +23,7 @@ const char* const kEverything = R"({
   "cameraPath": [{"frame": 0, "eye": [1, 2, 3]}, {"frame": 24.5, "target": [0, 0, 1], "height": 3}],
   "mode": "isosurface",
   "isovalue": -200.5,
+  "classification": "post",
   "functions": ["ct-bone",
                 {"from": "maps/warm.json", "gradients": [[0, 0], [100, 1]]},
                 {"colors": [[0, 0, 0, 0], [10, 1, 0.5, 0]], "opacities": [[0, 0], [10, 0.9]], "unitDistance": 2}],
@@ -61,6 +62,7 @@ TEST(SceneFile, reads_every_field) {
   EXPECT_FALSE(scene.camera_path[1].camera.eye.has_value());
   EXPECT_EQ(scene.mode, Mode::isosurface);
   EXPECT_EQ(scene.isovalue, -200.5);
+  EXPECT_EQ(scene.classification, Classification::post);
   ASSERT_EQ(scene.functions.size(), 3u);
   EXPECT_EQ(scene.functions[0].from, "ct-bone");
   EXPECT_EQ(scene.functions[1].gradients, (std::vector<GradientPoint>{{0, 0}, {100, 1}}));

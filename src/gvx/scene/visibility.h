@@ -19,7 +19,8 @@ enum class Mode : std::uint32_t {
 
 /// How values along a ray become matter, where it is composited.
 enum class Classification : std::uint32_t {
-  preintegrated,  ///< a step is the mean matter of all values that it goes through: thin layers are not missed
+  preintegrated,  ///< a step is the mean matter of all values that it goes through: thin layers are not
+                  ///< missed
   post,           ///< a step is the matter at its centre's value: faster, as most renderers do
 };
 
