@@ -105,6 +105,50 @@ TEST(Budget, says_how_much_of_what_it_wants_is_there) {
   EXPECT_EQ(share, 1);
 }
 
+TEST(Budget, makes_what_a_moving_camera_will_need_while_it_waits_for_nothing) {
+  TestScene scene = scene_of("ahead");
+  scene.view.camera.fov_degrees = 6;
+  const scene::Camera start = scene.view.camera;
+  const auto camera_at = [&](double frame) {
+    scene::Camera camera = start;
+    const Vec3d way = frame * Vec3d(2, 0, 1);
+    camera.eye = camera.eye + way;
+    camera.target = camera.target + way;
+    return camera;
+  };
+  std::uint64_t made[2] = {};
+  for (const bool prefetch : {false, true}) {
+    engine::EngineOptions options;
+    options.prefetch = prefetch;
+    const auto engine = engine::Engine::create(exec::Device::cpu(), scene.open(), options).value();
+    for (int frame = 0; frame < 2; ++frame) {
+      scene.view.camera = camera_at(frame);
+      ASSERT_TRUE(engine->look(scene.view).ok());
+      for (int i = 0; i < 100 && !engine->converged(); ++i) ASSERT_TRUE(engine->render_for(2s).ok());
+      ASSERT_TRUE(engine->converged());
+      EXPECT_EQ(engine->picture().rgba, render_exact(scene).rgba);
+    }
+    // What is made for later is taken in by later frames.
+    std::uint64_t before = 0;
+    for (int still = 0; still < 20; ++still) {
+      ASSERT_TRUE(engine->render_for(2s).ok());
+      if (engine->residency().resident_bricks() != before) still = 0;
+      before = engine->residency().resident_bricks();
+      std::this_thread::sleep_for(5ms);
+    }
+    engine->residency().check_invariants();
+    scene.view.camera = camera_at(5);
+    ASSERT_TRUE(engine->look(scene.view).ok());
+    ASSERT_TRUE(engine->render_exact().ok());
+    made[prefetch ? 1 : 0] = engine->statistics().bricks_produced;
+    EXPECT_EQ(engine->picture().rgba, render_exact(scene).rgba);
+  }
+  std::printf("bricks made four frames later: %u, after prefetching %u\n", unsigned(made[0]),
+              unsigned(made[1]));
+  EXPECT_GT(made[0], 10u);
+  EXPECT_LE(2 * made[1], made[0]);
+}
+
 TEST(Sponge, is_shown_from_one_brick_at_any_depth) {
   const auto sponge = std::make_shared<produce::SpongeProducer>(8);
   const auto engine = engine::Engine::create(exec::Device::cpu(), sponge, {}).value();

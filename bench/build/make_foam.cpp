@@ -2,7 +2,9 @@
 // points, whose brightness varies from cell to cell. The same bytes for the same size, everywhere; no file of
 // that size is needed.
 //
-//     gvx_make_foam SIZE | gvx build - -o foam.gvx --dims SIZE,SIZE,SIZE --dtype u8
+//     gvx_make_foam SIZE [CELL] | gvx build - -o foam.gvx --dims SIZE,SIZE,SIZE --dtype u8
+//
+// A cell is CELL voxels wide (32): twice the size and the cell, and it is the same foam in finer voxels.
 
 #include <algorithm>
 #include <cmath>
@@ -14,8 +16,6 @@
 #include <tbb/parallel_for.h>
 
 namespace {
-
-constexpr int kCell = 32;  // voxels along a cell of the grid that the points jitter in
 
 std::uint32_t hash(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   std::uint32_t h = x * 0x8da6b343u ^ y * 0xd8163841u ^ z * 0xcb1ab31fu;
@@ -29,15 +29,16 @@ struct Point {
 };
 
 /// The 27 points around a grid cell.
-void points_around(int cx, int cy, int cz, Point* points) {
+void points_around(int cell, int cx, int cy, int cz, Point* points) {
   for (int k = -1; k <= 1; ++k) {
     for (int j = -1; j <= 1; ++j) {
       for (int i = -1; i <= 1; ++i) {
         const std::uint32_t h = hash(static_cast<std::uint32_t>(cx + i), static_cast<std::uint32_t>(cy + j),
                                      static_cast<std::uint32_t>(cz + k));
         const auto jitter = [h](int shift) { return float(h >> shift & 1023) / 1023.0f; };
-        *points++ = {(float(cx + i) + jitter(0)) * kCell, (float(cy + j) + jitter(10)) * kCell,
-                     (float(cz + k) + jitter(20)) * kCell};
+        const auto width = static_cast<float>(cell);
+        *points++ = {(float(cx + i) + jitter(0)) * width, (float(cy + j) + jitter(10)) * width,
+                     (float(cz + k) + jitter(20)) * width};
       }
     }
   }
@@ -46,20 +47,22 @@ void points_around(int cx, int cy, int cz, Point* points) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int size = argc == 2 ? std::atoi(argv[1]) : 0;
-  if (size < 1 || size > 16384) {
-    std::fprintf(stderr, "usage: gvx_make_foam SIZE > FILE\n");
+  const int size = argc == 2 || argc == 3 ? std::atoi(argv[1]) : 0;
+  const int cell_width = argc == 3 ? std::atoi(argv[2]) : 32;  // of the grid that the points jitter in
+  if (size < 1 || size > 16384 || cell_width < 1 || cell_width > size) {
+    std::fprintf(stderr, "usage: gvx_make_foam SIZE [CELL] > FILE\n");
     return 2;
   }
   std::vector<std::uint8_t> slice(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
-  const int cells = (size + kCell - 1) / kCell;
+  const float steepness = 60.0f * 32.0f / static_cast<float>(cell_width);  // of the walls
+  const int cells = (size + cell_width - 1) / cell_width;
   for (int z = 0; z < size; ++z) {
     tbb::parallel_for(0, cells * cells, [&](int cell) {
       const int cx = cell % cells, cy = cell / cells;
       Point points[27];
-      points_around(cx, cy, z / kCell, points);
-      for (int y = cy * kCell; y < std::min(size, (cy + 1) * kCell); ++y) {
-        for (int x = cx * kCell; x < std::min(size, (cx + 1) * kCell); ++x) {
+      points_around(cell_width, cx, cy, z / cell_width, points);
+      for (int y = cy * cell_width; y < std::min(size, (cy + 1) * cell_width); ++y) {
+        for (int x = cx * cell_width; x < std::min(size, (cx + 1) * cell_width); ++x) {
           float nearest = 1e9f, second = 1e9f;
           for (const Point& p : points) {
             const float dx = p.x - float(x), dy = p.y - float(y), dz = p.z - float(z);
@@ -69,7 +72,7 @@ int main(int argc, char** argv) {
           }
           const float wall = std::sqrt(second) - std::sqrt(nearest);
           slice[static_cast<std::size_t>(y) * static_cast<std::size_t>(size) + static_cast<std::size_t>(x)] =
-              static_cast<std::uint8_t>(std::max(0.0f, 250.0f - 60.0f * wall));
+              static_cast<std::uint8_t>(std::max(0.0f, 250.0f - steepness * wall));
         }
       }
     });

@@ -69,6 +69,7 @@ Result<std::unique_ptr<Engine>> Engine::create(const exec::Device& device,
   }
   std::unique_ptr<Engine> engine(new Engine(device, std::move(producer), sizes));
   engine->one_ray_at_a_time_ = options.one_ray_at_a_time;
+  engine->prefetch_ = options.prefetch;
   GVX_TRY(engine->residency_.plant_root());
   return engine;
 }
@@ -100,6 +101,12 @@ Status Engine::look(const render::View& view) {
     }
   }
   frame_ = std::move(frame);
+  camera_before_.reset();
+  if (view_ && !(view_->camera == view.camera)) {
+    camera_before_ = view_->camera;
+    view_->camera = view.camera;
+    if (!(*view_ == view)) camera_before_.reset();  // another picture altogether
+  }
   view_ = view;
   residency_.set_visibility(frame_->view().visibility, sees_otherwise);
   film_->clear();
@@ -183,13 +190,20 @@ std::vector<produce::Job> Engine::collect() {
   return jobs;
 }
 
+/// Has these made; while there are none, what is prefetched goes on.
+void Engine::ask(const std::vector<produce::Job>& jobs) {
+  if (jobs.empty() && prefetching_) return;
+  queue_.replace(jobs);
+  prefetching_ = false;
+}
+
 Status Engine::render_exact() {
   GVX_CHECK(film_.has_value());
   begin_frame();
   while (!unfinished_tiles_.empty()) {
     ++stamp_;
     exact_pass(exec::no_deadline());  // render
-    queue_.replace(collect());        // collect
+    ask(collect());                   // collect
     while (!queue_.idle()) {
       queue_.wait();             // produce
       GVX_TRY(take_finished());  // evict, commit
@@ -269,7 +283,7 @@ Status Engine::coarse_preview(exec::Deadline settled, exec::Deadline deadline) {
     while (preview_.block == block) {
       if (!preview_chunk(in_any_case ? exec::no_deadline() : deadline)) return {};
     }
-    queue_.replace(collect());
+    ask(collect());
     GVX_TRY(take_finished());
     if (data_came_ && Clock::now() < settled) begin_preview(render::Film::kLargestBlock);
   }
@@ -306,8 +320,10 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
     preview_pass(preview_at_rest_ ? refresh_deadline : deadline);  // render
     if (preview_.block < kRestBlock) preview_at_rest_ = true;
     if (preview_at_rest_) exact_pass(deadline);
-    queue_.replace(collect());  // collect
-    while (!unfinished_tiles_.empty() && !queue_.idle() && Clock::now() < deadline) {
+    ask(collect());  // collect
+    if (prefetching_) GVX_TRY(take_finished());
+    if (queue_.idle()) prefetch(deadline);
+    while (!unfinished_tiles_.empty() && !queue_.idle() && !prefetching_ && Clock::now() < deadline) {
       queue_.wait_until(deadline);  // produce
       GVX_TRY(take_finished());     // evict, commit
     }
@@ -315,6 +331,52 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   } while (!unfinished_tiles_.empty() && Clock::now() < deadline);
   end_frame();
   return {};
+}
+
+/// Asks for what a picture that is a few frames ahead of a moving camera would lack: a level deeper each time,
+/// until it lacks nothing.
+void Engine::prefetch(exec::Deadline deadline) {
+  constexpr double kFramesAhead = 4;
+  constexpr double kMostDetail = 16;  // of Frame::make
+  if (!prefetch_ || !camera_before_ || crowded_) return;
+  const scene::Camera before = *camera_before_;
+  render::View view = *view_;
+  view.camera.eye = view.camera.eye + kFramesAhead * (view.camera.eye - before.eye);
+  view.camera.target = view.camera.target + kFramesAhead * (view.camera.target - before.target);
+  view.camera.up = view.camera.up + kFramesAhead * (view.camera.up - before.up);
+  // Fewer rays, but as fine in what they want.
+  const auto sparse = static_cast<std::uint32_t>(std::max(1.0, kMostDetail / view.detail));
+  view.width = (view.width * view.antialias + sparse - 1) / sparse;
+  view.height = (view.height * view.antialias + sparse - 1) / sparse;
+  view.antialias = 1;
+  view.detail *= sparse;
+  const auto frame = render::Frame::make(device_, view, placement_of(producer_->description()), &*frame_);
+  if (!frame.ok()) {  // there the camera will not be
+    camera_before_.reset();
+    return;
+  }
+  if (!ahead_ || ahead_->grid().width != view.width || ahead_->grid().height != view.height) {
+    ahead_.emplace(device_, view.width, view.height);
+  }
+  ahead_->clear();
+  constexpr std::uint32_t kTile = 8;
+  const exec::TileGrid grid{view.width, view.height, kTile};
+  if (grid.tiles() > tile_list_.size()) return;  // coarse pictures of high detail: not worth more memory
+  std::iota(tile_list_.view().begin(), tile_list_.view().begin() + grid.tiles(), 0u);
+  render::Pass ahead = pass();
+  ahead.frame = frame.value().view();
+  ahead.epoch = ahead_->epoch();
+  render::march_preview(device_, ahead, grid, {tile_list_.view().data, grid.tiles()}, deadline, 1, 1,
+                        ahead_->rays(), ahead_->preview());
+  std::vector<produce::Job> jobs = residency_.collect(stamp_);
+  if (jobs.empty()) {
+    camera_before_.reset();
+    return;
+  }
+  residency_.limit_to_room(jobs, Eviction::unused);
+  eviction_ = Eviction::unused;
+  queue_.replace(jobs);
+  prefetching_ = true;
 }
 
 Status Engine::take_finished() {
@@ -326,7 +388,7 @@ Status Engine::take_finished() {
       }));
   GVX_ASSIGN(const CommitCounts counts, residency_.commit(std::move(made), eviction_));
   statistics_.bricks_evicted += counts.bricks_evicted;
-  data_came_ = data_came_ || counts.committed > 0;
+  data_came_ = data_came_ || (counts.committed > 0 && !prefetching_);
   return {};
 }
 

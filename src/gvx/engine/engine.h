@@ -27,6 +27,8 @@ struct EngineOptions {
   std::optional<PoolSizes> pools;             ///< instead of memory_bytes: for tests of tiny pools
   /// On a CPU: the plain march, which says what a picture is, even where vectors of rays are faster.
   bool one_ray_at_a_time = false;
+  /// Frames of a budget make what a moving camera will need soon, when nothing that it sees is waited for.
+  bool prefetch = true;
 };
 
 /// Where frames find a tree.
@@ -79,6 +81,8 @@ class Engine {
   Status coarse_preview(exec::Deadline settled, exec::Deadline deadline);
   void preview_pass(exec::Deadline deadline);
   std::vector<produce::Job> collect();
+  void ask(const std::vector<produce::Job>& jobs);
+  void prefetch(exec::Deadline deadline);
   Status check_progress();
   Status take_finished();
   void begin_frame();
@@ -86,6 +90,7 @@ class Engine {
 
   exec::Device device_;
   bool one_ray_at_a_time_ = false;
+  bool prefetch_ = true;
   std::shared_ptr<const produce::Producer> producer_;
   Residency residency_;
   produce::ProductionQueue queue_;
@@ -106,6 +111,9 @@ class Engine {
   bool data_came_ = false;        // since the preview was begun
   int restarts_ = 0;              // of this view's preview
   bool preview_at_rest_ = false;  // this view was drawn finely enough once: exact rays run
+  std::optional<scene::Camera> camera_before_;  // that was looked with before this one, if it moves
+  std::optional<render::Film> ahead_;           // of the picture that is prefetched for
+  bool prefetching_ = false;                    // all that the queue makes is for later
   std::chrono::steady_clock::time_point frame_start_;
   Statistics statistics_;
 };
