@@ -85,7 +85,8 @@ Status Engine::look(const render::View& view) {
   GVX_ASSIGN(auto frame, render::Frame::make(device_, view, placement_of(producer_->description()),
                                              frame_ ? &*frame_ : nullptr));
   const bool sees_otherwise = !view_ || !(view_->functions == view.functions) || view_->mode != view.mode ||
-                              view_->isovalue != view.isovalue;
+                              view_->isovalue != view.isovalue ||
+                              view_->classification != view.classification;
   if (!view_ || view_->width != view.width || view_->height != view.height ||
       view_->antialias != view.antialias) {
     try {
@@ -333,8 +334,8 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   return {};
 }
 
-/// Asks for what a picture that is a few frames ahead of a moving camera would lack: a level deeper each time,
-/// until it lacks nothing.
+/// Asks for what a picture that is a few frames ahead of a moving camera would lack: a level deeper each
+/// time, until it lacks nothing.
 void Engine::prefetch(exec::Deadline deadline) {
   constexpr double kFramesAhead = 4;
   constexpr double kMostDetail = 16;  // of Frame::make

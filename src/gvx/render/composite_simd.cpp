@@ -1,6 +1,8 @@
 // composite_batch: composite.h once more, with a ray in each lane of a vector. What is said there holds here;
 // the same names mean the same. Compiled once for each instruction set.
 
+#include <type_traits>
+
 #include "gvx/render/composite.h"
 #include "gvx/render/simd_targets.h"
 #include "gvx/render/stretch_batch.h"
@@ -52,7 +54,9 @@ class Composite {
     Int samples = hn::Load(kInts, batch_.samples + lane_);
     const auto of_ints = [](Int mask) HWY_ATTR { return hn::Gt(mask, hn::Zero(kInts)); };
     samples = hn::Sub(samples, hn::VecFromMask(kInts, of_ints(steps)));
-    Place front = at(all(-0.5f)), back = front;
+    const bool all_cells = !kPlain || batch_.cells == ~std::uint64_t(0);
+    const Float begin = all(-0.5f);
+    Place front = all_cells || !none(may_be_seen(begin)) ? at(begin) : below(), back = front;
     Int step = hn::Zero(kInts);
     Mask active = hn::And(hn::RebindMask(kFloats, of_ints(steps)), going());
     Mask found = no_lanes();  // those before a step in which there is something to see
@@ -60,8 +64,12 @@ class Composite {
     while (!none(active)) {
       Mask searching = hn::AndNot(found, active);
       do {
-        back = at(hn::Add(hn::ConvertTo(kFloats, step), all(0.5f)));
-        samples = hn::Sub(samples, hn::VecFromMask(kInts, hn::RebindMask(kInts, searching)));
+        const Float end = hn::Add(hn::ConvertTo(kFloats, step), all(0.5f));
+        const Mask sampled =
+            all_cells ? searching
+                      : hn::And(searching, hn::Or(function_.above_first(front.entry), may_be_seen(end)));
+        back = none(sampled) ? select(found, back, below()) : at(end);
+        samples = hn::Sub(samples, hn::VecFromMask(kInts, hn::RebindMask(kInts, sampled)));
         const Mask visible = hn::AndNot(unseen(front, back), searching);
         found = hn::Or(found, visible);
         const Mask passing = hn::AndNot(visible, searching);
@@ -72,6 +80,10 @@ class Composite {
       } while (!none(searching) &&
                (none(found) || 4 * hn::CountTrue(kFloats, searching) > hn::Lanes(kFloats)));
       if (none(found)) continue;
+      const Mask unknown = hn::And(found, hn::Lt(front.entry, all(0.1f * kBelow)));
+      if (!all_cells && !none(unknown)) {
+        front = select(unknown, at(hn::Sub(hn::ConvertTo(kFloats, step), all(0.5f))), front);
+      }
       composite_step(hn::ConvertTo(kFloats, step), front, back, found, samples);
       front = select(found, back, front);
       step = hn::Sub(step, hn::VecFromMask(kInts, hn::RebindMask(kInts, found)));
@@ -95,6 +107,13 @@ class Composite {
     Place place{hn::IfThenElse(mask, a.entry, b.entry), b.deviation};
     if constexpr (!kPlain) place.deviation = hn::IfThenElse(mask, a.deviation, b.deviation);
     return place;
+  }
+
+  /// Somewhere below all that is seen: where the cells' masks say so, nothing is sampled.
+  static constexpr float kBelow = -1e30f;
+  HWY_INLINE static Place below() { return {all(kBelow), hn::Zero(kFloats)}; }
+  HWY_INLINE Mask may_be_seen(Float i) const {
+    return in_visible_cell(batch_.cells, edge_, along(fine_first_, fine_per_step_, i));
   }
 
   /// Span.
@@ -123,7 +142,13 @@ class Composite {
 
   GVX_PIECE Place at(Float i) const {
     const Vec3v p = along(fine_first_, fine_per_step_, i);
-    Float value = sample(texels(batch_.fine), edge_, p);
+    const PlainTexels<Voxel> plain(batch_.fine.brick);
+    Float value;
+    if constexpr (kPlain && std::is_same_v<Voxel, std::uint8_t>) {
+      value = batch_.paired ? sample(PairedRows{batch_.row_pairs}, edge_, p) : sample(plain, edge_, p);
+    } else {
+      value = sample(plain, edge_, p);
+    }
     Place place;
     place.deviation = hn::Zero(kFloats);
     if constexpr (!kPlain) {
@@ -131,7 +156,7 @@ class Composite {
       if (batch_.blended) {
         const Vec3v q = coarse_at(i);
         const Float blend = blend_at(i);
-        value = mix(value, sample(texels(batch_.coarse), edge_, q), blend);
+        value = mix(value, sample(PlainTexels<Voxel>(batch_.coarse.brick), edge_, q), blend);
         place.deviation = mix(place.deviation, deviation(deviations(batch_.coarse), edge_, q), blend);
       }
       place.deviation = function_.to_entries(place.deviation);
@@ -337,6 +362,8 @@ class Composite {
 template <typename Voxel>
 void composite_all(const FrameView& frame, StretchBatch& batch) {
   const bool plain = !batch.blended && !batch.fine.deviates;
+  batch.paired = false;
+  if constexpr (std::is_same_v<Voxel, std::uint8_t>) batch.paired = plain && pairs_rows(batch);
   for (std::size_t lane = 0; lane < batch.count; lane += hn::Lanes(kFloats)) {
     if (plain) {
       Composite<Voxel, true>(frame, batch, lane).run();

@@ -4,7 +4,6 @@
 #include "gvx/render/simd_targets.h"
 #include "gvx/render/stretch.h"
 #include "gvx/render/stretch_batch.h"
-#include "gvx/render/visible_cells.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "gvx/render/post_simd.cpp"
@@ -20,62 +19,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
 namespace {
-
-/// The eight texels around a place: corner[x + 2 * (y + 2 * z)].
-struct Corners {
-  Float corner[8];
-};
-
-/// Texels as they are in a brick.
-template <typename Voxel>
-struct PlainTexels {
-  const Voxel* texels;
-
-  explicit PlainTexels(const std::byte* brick) : texels(reinterpret_cast<const Voxel*>(brick)) {}
-
-  HWY_INLINE Corners read(Int index, int row, int slice) const {
-    const Pair p00 = gather_pair(texels, index), p10 = gather_pair(texels + row, index);
-    const Pair p01 = gather_pair(texels + slice, index), p11 = gather_pair(texels + slice + row, index);
-    return {{p00.low, p00.high, p10.low, p10.high, p01.low, p01.high, p11.low, p11.high}};
-  }
-};
-
-/// Each texel beside the one behind it along y: two gathers find all eight.
-struct PairedRows {
-  const std::uint16_t* pairs;
-
-  HWY_INLINE Corners read(Int index, int, int slice) const {
-    const auto* base = reinterpret_cast<const std::int32_t*>(pairs);
-    const Int front = hn::GatherOffset(kInts, base, hn::ShiftLeft<1>(index));
-    const Int back = hn::GatherOffset(kInts, base, hn::ShiftLeft<1>(hn::Add(index, all_ints(slice))));
-    return {{byte<0>(front), byte<16>(front), byte<8>(front), byte<24>(front), byte<0>(back), byte<16>(back),
-             byte<8>(back), byte<24>(back)}};
-  }
-
- private:
-  template <int kShift>
-  HWY_INLINE static Float byte(Int four) {
-    if constexpr (kShift > 0) four = hn::ShiftRight<kShift>(four);
-    return hn::ConvertTo(kFloats, hn::And(four, all_ints(0xff)));
-  }
-};
-
-/// Fills StretchBatch::row_pairs from a brick of bytes.
-void pair_rows(StretchBatch& batch) {
-  const hn::ScalableTag<std::uint16_t> words;
-  const hn::Rebind<std::uint8_t, decltype(words)> bytes;
-  const auto* texels = reinterpret_cast<const std::uint8_t*>(batch.fine.brick);
-  const std::size_t row = batch.m + 2, count = plane_texels(batch.m) - row;
-  std::size_t i = 0;
-  for (; i + hn::Lanes(words) <= count; i += hn::Lanes(words)) {
-    const auto here = hn::PromoteTo(words, hn::LoadU(bytes, texels + i));
-    const auto behind = hn::PromoteTo(words, hn::LoadU(bytes, texels + i + row));
-    hn::StoreU(hn::Or(here, hn::ShiftLeft<8>(behind)), words, batch.row_pairs + i);
-  }
-  for (; i < count; ++i) {
-    batch.row_pairs[i] = static_cast<std::uint16_t>(texels[i] | texels[i + row] << 8);
-  }
-}
 
 /// brick::CellSample.
 struct Sample {
@@ -141,7 +84,7 @@ class Post {
       if (none(active)) break;
       const Vec3v p = along(first, per_step, i);
       if (!all_cells) {
-        active = hn::And(active, visible(p));
+        active = hn::And(active, in_visible_cell(batch_.cells, edge_, p));
         if (none(active)) continue;
       }
       samples = hn::Sub(samples, hn::VecFromMask(kInts, hn::RebindMask(kInts, active)));
@@ -193,22 +136,6 @@ class Post {
   }
 
  private:
-  /// Is the cell at p one that can be seen?
-  HWY_INLINE Mask visible(const Vec3v& p) const {
-    const Float cells_per_voxel = all(static_cast<float>(kCellsAcross) / static_cast<float>(edge_));
-    const auto cell = [&](Float x) HWY_ATTR {
-      const Float held = hn::Min(hn::Max(hn::Mul(x, cells_per_voxel), hn::Zero(kFloats)),
-                                 all(static_cast<float>(kCellsAcross) - 0.5f));
-      return hn::ConvertTo(kInts, held);
-    };
-    const Int index = hn::Add(cell(p.x), hn::Add(hn::ShiftLeft<2>(cell(p.y)), hn::ShiftLeft<4>(cell(p.z))));
-    const Int low = all_ints(static_cast<std::int32_t>(batch_.cells & 0xffffffffu));
-    const Int high = all_ints(static_cast<std::int32_t>(batch_.cells >> 32));
-    const Int half = hn::IfThenElse(hn::Gt(index, all_ints(31)), high, low);
-    const Int bit = hn::Shl(all_ints(1), hn::And(index, all_ints(31)));
-    return hn::RebindMask(kFloats, hn::Ne(hn::And(half, bit), hn::Zero(kInts)));
-  }
-
   HWY_INLINE Shade shade_at(Float i, const Sample& sample, Float blend) const {
     Float scale = all(batch_.fine.gradient_scale);
     if constexpr (!kPlain) scale = mix(scale, all(batch_.coarse.gradient_scale), blend);
@@ -243,19 +170,10 @@ void post_of(const FrameView& frame, StretchBatch& batch) {
   }
 }
 
-/// Do the batch's rays take so many steps that pairing rows pays?
-bool is_long(const StretchBatch& batch) {
-  constexpr std::int64_t kLongSteps = 24;
-  std::int64_t steps = 0;
-  for (std::uint32_t i = 0; i < batch.count; ++i) steps += batch.steps[i];
-  return steps > kLongSteps * static_cast<std::int64_t>(hn::Lanes(kFloats));
-}
-
 }  // namespace
 
 void post_u8(const FrameView& frame, StretchBatch& batch) {
-  if (batch.blended || !is_long(batch)) return post_of<std::uint8_t>(frame, batch);
-  pair_rows(batch);
+  if (batch.blended || !pairs_rows(batch)) return post_of<std::uint8_t>(frame, batch);
   const PairedRows rows{batch.row_pairs};
   post_all<true>(frame, batch, rows, rows);
 }

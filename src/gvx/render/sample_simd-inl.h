@@ -17,6 +17,7 @@
 #include <hwy/highway.h>
 
 #include "gvx/render/stretch_batch.h"
+#include "gvx/render/visible_cells.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
@@ -94,21 +95,98 @@ HWY_INLINE Float mix(Float a, Float b, Float weight) {
   return hn::MulAdd(weight, hn::Sub(b, a), a);
 }
 
+/// The eight texels around a place: corner[x + 2 * (y + 2 * z)].
+struct Corners {
+  Float corner[8];
+};
+
+/// Texels as they are in a brick.
 template <typename Voxel>
-HWY_INLINE Float trilinear(const Voxel* texels, int edge, const TexelAxis& x, const TexelAxis& y,
-                           const TexelAxis& z) {
-  const int row = edge + 2, slice = row * row;
-  const Int index = hn::Add(x.low, hn::Add(hn::Mul(y.low, all_ints(row)), hn::Mul(z.low, all_ints(slice))));
-  const Pair p00 = gather_pair(texels, index), p10 = gather_pair(texels + row, index);
-  const Pair p01 = gather_pair(texels + slice, index), p11 = gather_pair(texels + slice + row, index);
-  const Float c00 = mix(p00.low, p00.high, x.weight), c10 = mix(p10.low, p10.high, x.weight);
-  const Float c01 = mix(p01.low, p01.high, x.weight), c11 = mix(p11.low, p11.high, x.weight);
-  return mix(mix(c00, c10, y.weight), mix(c01, c11, y.weight), z.weight);
+struct PlainTexels {
+  const Voxel* texels;
+
+  explicit PlainTexels(const std::byte* brick) : texels(reinterpret_cast<const Voxel*>(brick)) {}
+
+  HWY_INLINE Corners read(Int index, int row, int slice) const {
+    const Pair p00 = gather_pair(texels, index), p10 = gather_pair(texels + row, index);
+    const Pair p01 = gather_pair(texels + slice, index), p11 = gather_pair(texels + slice + row, index);
+    return {{p00.low, p00.high, p10.low, p10.high, p01.low, p01.high, p11.low, p11.high}};
+  }
+};
+
+/// Each texel beside the one behind it along y: two gathers find all eight.
+struct PairedRows {
+  const std::uint16_t* pairs;
+
+  HWY_INLINE Corners read(Int index, int, int slice) const {
+    const auto* base = reinterpret_cast<const std::int32_t*>(pairs);
+    const Int front = hn::GatherOffset(kInts, base, hn::ShiftLeft<1>(index));
+    const Int back = hn::GatherOffset(kInts, base, hn::ShiftLeft<1>(hn::Add(index, all_ints(slice))));
+    return {{byte<0>(front), byte<16>(front), byte<8>(front), byte<24>(front), byte<0>(back), byte<16>(back),
+             byte<8>(back), byte<24>(back)}};
+  }
+
+ private:
+  template <int kShift>
+  HWY_INLINE static Float byte(Int four) {
+    if constexpr (kShift > 0) four = hn::ShiftRight<kShift>(four);
+    return hn::ConvertTo(kFloats, hn::And(four, all_ints(0xff)));
+  }
+};
+
+/// Fills StretchBatch::row_pairs from a brick of bytes.
+HWY_INLINE void pair_rows(StretchBatch& batch) {
+  const hn::ScalableTag<std::uint16_t> words;
+  const hn::Rebind<std::uint8_t, decltype(words)> bytes;
+  const auto* texels = reinterpret_cast<const std::uint8_t*>(batch.fine.brick);
+  const std::size_t row = batch.m + 2, count = plane_texels(batch.m) - row;
+  std::size_t i = 0;
+  for (; i + hn::Lanes(words) <= count; i += hn::Lanes(words)) {
+    const auto here = hn::PromoteTo(words, hn::LoadU(bytes, texels + i));
+    const auto behind = hn::PromoteTo(words, hn::LoadU(bytes, texels + i + row));
+    hn::StoreU(hn::Or(here, hn::ShiftLeft<8>(behind)), words, batch.row_pairs + i);
+  }
+  for (; i < count; ++i) {
+    batch.row_pairs[i] = static_cast<std::uint16_t>(texels[i] | texels[i + row] << 8);
+  }
 }
 
-template <typename Voxel>
-HWY_INLINE Float sample(const Voxel* texels, int edge, const Vec3v& p) {
-  return trilinear(texels, edge, TexelAxis(p.x, edge), TexelAxis(p.y, edge), TexelAxis(p.z, edge));
+/// Pairs the rows of the fine brick of bytes where the batch's rays take so many steps that it pays.
+HWY_INLINE bool pairs_rows(StretchBatch& batch) {
+  constexpr std::int64_t kLongSteps = 24;
+  std::int64_t steps = 0;
+  for (std::uint32_t i = 0; i < batch.count; ++i) steps += batch.steps[i];
+  if (steps <= kLongSteps * static_cast<std::int64_t>(hn::Lanes(kFloats))) return false;
+  pair_rows(batch);
+  return true;
+}
+
+/// Is the cell at p one that can be seen (visible_cells.h)?
+HWY_INLINE Mask in_visible_cell(std::uint64_t cells, int edge, const Vec3v& p) {
+  const Float cells_per_voxel = all(static_cast<float>(kCellsAcross) / static_cast<float>(edge));
+  const auto cell = [&](Float x) HWY_ATTR {
+    const Float held = hn::Min(hn::Max(hn::Mul(x, cells_per_voxel), hn::Zero(kFloats)),
+                               all(static_cast<float>(kCellsAcross) - 0.5f));
+    return hn::ConvertTo(kInts, held);
+  };
+  const Int index = hn::Add(cell(p.x), hn::Add(hn::ShiftLeft<2>(cell(p.y)), hn::ShiftLeft<4>(cell(p.z))));
+  const Int low = all_ints(static_cast<std::int32_t>(cells & 0xffffffffu));
+  const Int high = all_ints(static_cast<std::int32_t>(cells >> 32));
+  const Int half = hn::IfThenElse(hn::Gt(index, all_ints(31)), high, low);
+  const Int bit = hn::Shl(all_ints(1), hn::And(index, all_ints(31)));
+  return hn::RebindMask(kFloats, hn::Ne(hn::And(half, bit), hn::Zero(kInts)));
+}
+
+template <typename Texels>
+HWY_INLINE Float sample(const Texels& texels, int edge, const Vec3v& p) {
+  const int row = edge + 2, slice = row * row;
+  const TexelAxis x(p.x, edge), y(p.y, edge), z(p.z, edge);
+  const Int index = hn::Add(x.low, hn::Add(hn::Mul(y.low, all_ints(row)), hn::Mul(z.low, all_ints(slice))));
+  const Corners at = texels.read(index, row, slice);
+  const auto& c = at.corner;
+  const Float c00 = mix(c[0], c[1], x.weight), c10 = mix(c[2], c[3], x.weight);
+  const Float c01 = mix(c[4], c[5], x.weight), c11 = mix(c[6], c[7], x.weight);
+  return mix(mix(c00, c10, y.weight), mix(c01, c11, y.weight), z.weight);
 }
 
 /// Along one axis: the first of the three texels around a place from 0 to `edge`, and what each of them

@@ -31,7 +31,7 @@ struct StretchBatch {
   bool blended = false;  ///< the coarse brick is seen too
   Path fine, coarse;
 
-  /// Of the fine brick's cells those that can be seen (visible_cells.h); for post-classification.
+  /// Of the fine brick's cells those that can be seen (visible_cells.h); for batches of one brick.
   std::uint64_t cells = ~std::uint64_t(0);
 
   std::uint32_t count = 0;  ///< rays
@@ -49,7 +49,8 @@ struct StretchBatch {
   alignas(64) float opacity[kMost];
   alignas(64) std::int32_t samples[kMost];
 
-  /// Where a brick of bytes is put for post-classification: each texel beside the one behind it along y.
+  /// Where a brick of bytes is put, if that pays: each texel beside the one behind it along y.
+  bool paired = false;
   alignas(64) std::uint16_t row_pairs[plane_texels(32)];
 };
 

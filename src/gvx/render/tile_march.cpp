@@ -232,11 +232,15 @@ class TileMarcher {
       batch.coarse.gradient_scale = frame.gradient_scale[leaf.step_level - 1];
     }
     fill_batch(frame, work_.rays, work_.chosen, leaf.step_level, fine, coarse, batch);
-    if (frame.classification == scene::Classification::post) {
-      batch.cells = place.blended ? ~std::uint64_t(0) : cells_of(place.slot);
-      if (batch.cells != 0) composite_post_batch(frame, batch);
-    } else {
-      composite_batch(frame, batch);
+    const bool post = frame.classification == scene::Classification::post;
+    const bool alone = !place.blended && (post || !batch.fine.deviates);
+    batch.cells = alone ? cells_of(place.slot) : ~std::uint64_t(0);
+    if (batch.cells != 0) {
+      if (post) {
+        composite_post_batch(frame, batch);
+      } else {
+        composite_batch(frame, batch);
+      }
     }
     take_back(batch, work_.chosen, work_.rays);
     TileRays& rays = work_.rays;
@@ -258,7 +262,12 @@ class TileMarcher {
 
   std::uint64_t cells_of(BrickIndex slot) const {
     return view_.cells.of(slot, [&] {
-      return visible_cells<M>(view_.bricks.brick(slot).voxels, view_.frame.visibility.functions[0]);
+      const scene::TransferView& function = view_.frame.visibility.functions[0];
+      // A pre-integrated step may go from one cell to another, and through all that is between their values.
+      const bool post = view_.frame.classification == scene::Classification::post;
+      return visible_cells<M>(view_.bricks.brick(slot).voxels, [&](ValueRange values) {
+        return post ? function.transparent(values) : function.below_visible(values);
+      });
     });
   }
 

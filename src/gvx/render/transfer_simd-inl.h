@@ -145,6 +145,7 @@ class Function {
     return hn::ConvertTo(kInts, held_in_table(hn::Add(entry, all(0.5f))));
   }
 
+  HWY_INLINE Mask above_first(Float entry) const { return hn::Gt(entry, all(view_.first_visible)); }
   HWY_INLINE Mask invisible(Float a, Float b) const {
     return hn::Or(hn::Le(hn::Max(a, b), all(view_.first_visible)),
                   hn::Ge(hn::Min(a, b), all(view_.last_visible)));

@@ -1,19 +1,19 @@
 /// \file
-/// visible_cells: which cells of a brick a transfer function lets be seen; a brick has 4 x 4 x 4.
+/// visible_cells: which cells of a brick can be seen; a brick has 4 x 4 x 4.
 #pragma once
 
 #include <cstdint>
 
 #include "gvx/brick/brick_layout.h"
-#include "gvx/scene/transfer_function.h"
+#include "gvx/core/voxel.h"
 
 namespace gvx::render {
 
 inline constexpr int kCellsAcross = 4;
 
-/// Bit x + 4 * (y + 4 * z) is set unless every trilinear value in that cell is transparent.
-template <int M, typename Voxel>
-std::uint64_t visible_cells(const Voxel* plane, const scene::TransferView& function) {
+/// Bit x + 4 * (y + 4 * z) is set unless `hidden` is true of the range of the trilinear values in that cell.
+template <int M, typename Voxel, typename Hidden>
+std::uint64_t visible_cells(const Voxel* plane, const Hidden& hidden) {
   using Layout = brick::BrickLayout<M>;
   constexpr int kCell = M / kCellsAcross;
   std::uint64_t visible = 0;
@@ -39,9 +39,9 @@ std::uint64_t visible_cells(const Voxel* plane, const scene::TransferView& funct
           low = least[x] < low ? least[x] : low;
           high = most[x] > high ? most[x] : high;
         }
-        const bool hidden = function.transparent({static_cast<float>(low), static_cast<float>(high)});
         const int cell = cx + kCellsAcross * (cy + kCellsAcross * cz);
-        if (!hidden) visible |= std::uint64_t(1) << cell;
+        if (!hidden(ValueRange{static_cast<float>(low), static_cast<float>(high)}))
+          visible |= std::uint64_t(1) << cell;
       }
     }
   }

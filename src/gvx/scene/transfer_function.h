@@ -181,6 +181,11 @@ struct TransferView {
     return std::fmax(a, b) <= first_visible || std::fmin(a, b) >= last_visible;
   }
 
+  /// Is every stored value of the range below all that can be seen? So is then what lies between two such.
+  GVX_HD bool below_visible(ValueRange stored) const {
+    return std::fmax(entry_of(stored.minimum), entry_of(stored.maximum)) <= first_visible;
+  }
+
   /// Matter of a label.
   GVX_HD Matter of_label(std::uint32_t label) const {
     return matter[label < static_cast<std::uint32_t>(entries) ? label
