@@ -1,5 +1,6 @@
 // Budget mode always shows something, says how far it is, and comes to rest at the exact picture.
 
+#include <cmath>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -147,6 +148,48 @@ TEST(Budget, makes_what_a_moving_camera_will_need_while_it_waits_for_nothing) {
               unsigned(made[1]));
   EXPECT_GT(made[0], 10u);
   EXPECT_LE(2 * made[1], made[0]);
+}
+
+/// Of another producer, but for what lies behind x in tree space: that cannot be made.
+class Torn final : public produce::Producer {
+ public:
+  Torn(std::shared_ptr<const produce::Producer> whole, double x) : whole_(std::move(whole)), x_(x) {}
+  const produce::TreeDescription& description() const override { return whole_->description(); }
+  Status describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const override {
+    return whole_->describe(keys, infos);
+  }
+  Status produce(const NodeKey& key, std::span<std::byte> voxels) const override {
+    if (key.x / std::exp2(double(key.level)) >= x_) return Error{"torn"};
+    return whole_->produce(key, voxels);
+  }
+
+ private:
+  std::shared_ptr<const produce::Producer> whole_;
+  double x_;
+};
+
+TEST(Budget, what_is_torn_beside_the_picture_is_no_error) {
+  TestScene scene = scene_of("torn");
+  scene.view.camera.eye = {10, -300, 35};
+  scene.view.camera.target = {10, 40, 35};
+  scene.view.camera.fov_degrees = 2;
+  const auto torn = std::make_shared<Torn>(scene.open(), 0.25);  // 32 voxels
+  const auto engine = engine::Engine::create(exec::Device::cpu(), torn, {}).value();
+  for (int frame = 0; frame < 2; ++frame) {  // to the right, where it is torn four frames later
+    scene.view.camera.eye.x += 5;
+    scene.view.camera.target.x += 5;
+    ASSERT_TRUE(engine->look(scene.view).ok());
+    for (int i = 0; i < 30; ++i) {
+      const Status status = engine->render_for(2s);
+      ASSERT_TRUE(status.ok()) << status.error().message;
+      std::this_thread::sleep_for(2ms);
+    }
+    EXPECT_TRUE(engine->converged());
+  }
+  scene.view.camera.eye.x += 20;
+  scene.view.camera.target.x += 20;
+  ASSERT_TRUE(engine->look(scene.view).ok());
+  EXPECT_FALSE(engine->render_exact().ok());
 }
 
 TEST(Sponge, is_shown_from_one_brick_at_any_depth) {

@@ -14,6 +14,10 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t kPreviewChunk = 128;
 // What a frame of too short a budget spends on rendering all the same: the small unit of work.
 constexpr std::chrono::microseconds kLeastWork(200);
+// A frame stops earlier by what the ones before were late, at most by one in so many parts of its budget;
+// late ones are forgotten over some frames.
+constexpr int kMostOfBudget = 4;
+constexpr int kFramesToForget = 16;
 // The finest of a preview's stages that are drawn again while data comes in, and in how many frames of a
 // view.
 constexpr std::uint32_t kCoarseBlock = 8;
@@ -196,11 +200,14 @@ void Engine::ask(const std::vector<produce::Job>& jobs) {
   if (jobs.empty() && prefetching_) return;
   queue_.replace(jobs);
   prefetching_ = false;
+  for (const produce::Job& job : jobs) for_later_.erase(job);
 }
 
 Status Engine::render_exact() {
   GVX_CHECK(film_.has_value());
   begin_frame();
+  queue_.replace({});
+  prefetching_ = false;
   while (!unfinished_tiles_.empty()) {
     ++stamp_;
     exact_pass(exec::no_deadline());  // render
@@ -304,7 +311,9 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   GVX_TRY(residency_.plant_root_brick());
   GVX_TRY(take_finished());
   // However short the budget, each frame gets somewhere.
-  const exec::Deadline deadline = std::max(frame_start_ + budget, Clock::now() + kLeastWork);
+  const exec::Deadline wanted = frame_start_ + budget;
+  overshoot_ = std::min(overshoot_, budget / kMostOfBudget);
+  const exec::Deadline deadline = std::max(wanted - overshoot_, Clock::now() + kLeastWork);
   // A picture at rest that is drawn already is refreshed with what came since, for a part of the time; not
   // where the refresh would push out what exact rays wait for.
   const bool refreshing = preview_.complete() && data_came_ && !crowded_;
@@ -317,12 +326,13 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   const auto refresh_deadline =
       frame_start_ + std::chrono::duration_cast<std::chrono::nanoseconds>(budget * kRefreshShare);
   GVX_TRY(coarse_preview(refresh_deadline, deadline));
+  rays_marched_ = !unfinished_tiles_.empty();
   do {
     preview_pass(preview_at_rest_ ? refresh_deadline : deadline);  // render
     if (preview_.block < kRestBlock) preview_at_rest_ = true;
     if (preview_at_rest_) exact_pass(deadline);
-    ask(collect());  // collect
     if (prefetching_) GVX_TRY(take_finished());
+    ask(collect());  // collect
     if (queue_.idle()) prefetch(deadline);
     while (!unfinished_tiles_.empty() && !queue_.idle() && !prefetching_ && Clock::now() < deadline) {
       queue_.wait_until(deadline);  // produce
@@ -330,6 +340,9 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
     }
     if (preview_.complete()) ++stamp_;
   } while (!unfinished_tiles_.empty() && Clock::now() < deadline);
+  // Work that was begun is finished: the next frames stop as much earlier as the last ones were late.
+  const std::chrono::nanoseconds late = Clock::now() - deadline;
+  overshoot_ = std::max(late, overshoot_ - overshoot_ / kFramesToForget);
   end_frame();
   return {};
 }
@@ -339,7 +352,8 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
 void Engine::prefetch(exec::Deadline deadline) {
   constexpr double kFramesAhead = 4;
   constexpr double kMostDetail = 16;  // of Frame::make
-  if (!prefetch_ || !camera_before_ || crowded_) return;
+  const bool all_tiles_run = window_ >= unfinished_tiles_.size();
+  if (!prefetch_ || !camera_before_ || crowded_ || !all_tiles_run || exec::late(deadline)) return;
   const scene::Camera before = *camera_before_;
   render::View view = *view_;
   view.camera.eye = view.camera.eye + kFramesAhead * (view.camera.eye - before.eye);
@@ -356,32 +370,47 @@ void Engine::prefetch(exec::Deadline deadline) {
     camera_before_.reset();
     return;
   }
-  if (!ahead_ || ahead_->grid().width != view.width || ahead_->grid().height != view.height) {
-    ahead_.emplace(device_, view.width, view.height);
-  }
-  ahead_->clear();
   constexpr std::uint32_t kTile = 8;
   const exec::TileGrid grid{view.width, view.height, kTile};
   if (grid.tiles() > tile_list_.size()) return;  // coarse pictures of high detail: not worth more memory
+  if (!ahead_ || ahead_->grid().width != view.width || ahead_->grid().height != view.height) {
+    try {
+      ahead_.emplace(device_, view.width, view.height);
+    } catch (const std::bad_alloc&) {
+      ahead_.reset();
+      camera_before_.reset();
+      return;
+    }
+  }
+  ahead_->clear();
   std::iota(tile_list_.view().begin(), tile_list_.view().begin() + grid.tiles(), 0u);
   render::Pass ahead = pass();
   ahead.frame = frame.value().view();
   ahead.epoch = ahead_->epoch();
-  render::march_preview(device_, ahead, grid, {tile_list_.view().data, grid.tiles()}, deadline, 1, 1,
-                        ahead_->rays(), ahead_->preview());
+  const bool drawn = render::march_preview(device_, ahead, grid, {tile_list_.view().data, grid.tiles()},
+                                           deadline, 1, 1, ahead_->rays(), ahead_->preview());
   std::vector<produce::Job> jobs = residency_.collect(stamp_);
-  if (jobs.empty()) {
-    camera_before_.reset();
-    return;
-  }
+  if (jobs.empty() && drawn) camera_before_.reset();
+  if (jobs.empty()) return;
   residency_.limit_to_room(jobs, Eviction::unused);
+  if (!rays_marched_) {  // and touched what they see: only room that nothing is in may be taken
+    const std::size_t free = residency_.bricks().slots() - residency_.resident_bricks();
+    if (jobs.size() > free) jobs.resize(free);
+  }
   eviction_ = Eviction::unused;
   queue_.replace(jobs);
+  for_later_ = {jobs.begin(), jobs.end()};
   prefetching_ = true;
 }
 
 Status Engine::take_finished() {
   std::vector<produce::Produced> made = queue_.take_finished();
+  // What nobody sees may fail: whoever comes to see it will hear of it.
+  const auto failed = std::remove_if(made.begin(), made.end(), [&](const produce::Produced& p) {
+    return for_later_.erase(p.job) != 0 && !p.status.ok();
+  });
+  if (failed != made.end()) camera_before_.reset();
+  made.erase(failed, made.end());
   if (made.empty()) return {};
   statistics_.bricks_produced +=
       static_cast<std::uint64_t>(std::count_if(made.begin(), made.end(), [](const produce::Produced& p) {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <unordered_set>
 #include <vector>
 
 #include "gvx/core/result.h"
@@ -108,13 +109,16 @@ class Engine {
   std::int64_t progress_ = 0;
   std::uint32_t stamp_ = 0;
   PreviewProgress preview_;
-  bool data_came_ = false;        // since the preview was begun
-  int restarts_ = 0;              // of this view's preview
-  bool preview_at_rest_ = false;  // this view was drawn finely enough once: exact rays run
+  bool data_came_ = false;                      // since the preview was begun
+  int restarts_ = 0;                            // of this view's preview
+  bool preview_at_rest_ = false;                // this view was drawn finely enough once: exact rays run
   std::optional<scene::Camera> camera_before_;  // that was looked with before this one, if it moves
   std::optional<render::Film> ahead_;           // of the picture that is prefetched for
   bool prefetching_ = false;                    // all that the queue makes is for later
+  bool rays_marched_ = false;                   // in this frame
+  std::unordered_set<produce::Job, produce::JobHash> for_later_;  // prefetched and not yet asked for
   std::chrono::steady_clock::time_point frame_start_;
+  std::chrono::nanoseconds overshoot_{0};  // by which frames were late
   Statistics statistics_;
 };
 

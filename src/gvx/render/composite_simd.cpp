@@ -54,11 +54,14 @@ class Composite {
     Int samples = hn::Load(kInts, batch_.samples + lane_);
     const auto of_ints = [](Int mask) HWY_ATTR { return hn::Gt(mask, hn::Zero(kInts)); };
     samples = hn::Sub(samples, hn::VecFromMask(kInts, of_ints(steps)));
+    Mask active = hn::And(hn::RebindMask(kFloats, of_ints(steps)), going());
     const bool all_cells = !kPlain || batch_.cells == ~std::uint64_t(0);
     const Float begin = all(-0.5f);
-    Place front = all_cells || !none(may_be_seen(begin)) ? at(begin) : below(), back = front;
+    Place front = below();
+    const Mask begun = all_cells ? active : hn::And(active, may_be_seen(begin));
+    if (!none(begun)) front = select(begun, at(begin), front);
+    Place back = front;
     Int step = hn::Zero(kInts);
-    Mask active = hn::And(hn::RebindMask(kFloats, of_ints(steps)), going());
     Mask found = no_lanes();  // those before a step in which there is something to see
     // Steps through nothing are cheap: lanes go through theirs until most have found something to see.
     while (!none(active)) {
@@ -68,7 +71,12 @@ class Composite {
         const Mask sampled =
             all_cells ? searching
                       : hn::And(searching, hn::Or(function_.above_first(front.entry), may_be_seen(end)));
-        back = none(sampled) ? select(found, back, below()) : at(end);
+        // Whoever is beside it: a lane that need not be sampled is below.
+        if (!none(sampled)) {
+          back = select(hn::Or(found, sampled), at(end), below());
+        } else {
+          back = select(found, back, below());
+        }
         samples = hn::Sub(samples, hn::VecFromMask(kInts, hn::RebindMask(kInts, sampled)));
         const Mask visible = hn::AndNot(unseen(front, back), searching);
         found = hn::Or(found, visible);

@@ -59,13 +59,13 @@ class LeafTable {
     if (last_ < size_ && leaves_[last_].holds(level, blended, cell)) return last_;
     const std::uint32_t there = find_slot(level, blended, level, cell);
     if (slots_[there].age == age_) return last_ = slots_[there].leaf;
-    // A coarser node, perhaps; found once, it is found by this cell too.
+    // A coarser node, perhaps; found once, it is found by this cell too, while there are slots to spare.
     Cell ancestor = cell;
     for (int l = level - 1; l >= 0; --l) {
       ancestor = {ancestor.x / n, ancestor.y / n, ancestor.z / n};
       const Slot& slot = slots_[find_slot(level, blended, l, ancestor)];
       if (slot.age == age_ && leaves_[slot.leaf].place.level == l) {
-        use_slot(there, level, blended, level, cell, slot.leaf);
+        if (slots_used_ < kSlots / 2) use_slot(there, level, blended, level, cell, slot.leaf);
         return last_ = slot.leaf;
       }
     }
@@ -185,7 +185,10 @@ class LeafTable {
     ++slots_used_;
   }
   void forget_slots() {
-    ++age_;
+    if (++age_ == 0) {
+      slots_.fill({});
+      age_ = 1;
+    }
     slots_used_ = 0;
     last_ = 0;
   }

@@ -417,8 +417,10 @@ bool marches_tiles(const Pass& pass) {
   // Ticks and cells are counted in doubles.
   constexpr double kMostTicks = 1e15;
   const FrameView& frame = pass.frame;
-  const double ticks =
-      length(frame.box.maximum) * static_cast<double>(frame.stride[0]) * pass.m / frame.voxels_per_step;
+  const Affine3 to_world = inverse(frame.world_to_tree);
+  double diagonal = 0;
+  for (const Vec3d& column : to_world.column) diagonal += length(column);
+  const double ticks = diagonal / frame.tick_world;
   const auto across = static_cast<double>(frame.stride[0]);
   return !pass.one_ray_at_a_time && composites_batches(frame) && ticks < kMostTicks && across <= kMostAcross;
 }
