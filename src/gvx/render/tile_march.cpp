@@ -387,7 +387,7 @@ bool preview_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, c
     std::optional<TileMarcher<Voxel, N, M>> marcher;
     RayList marching;
     const auto pixel_of = [&](std::uint32_t x, std::uint32_t y) {
-      return std::size_t(y * block) * view.frame.width + x * block;
+      return std::size_t(y) * block * view.frame.width + std::size_t(x) * block;
     };
     for_rays(grid, tiles[t], [&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
       const std::size_t pixel = pixel_of(x, y);

@@ -72,7 +72,8 @@ void set_up_all(const FrameView& frame, double x0, double y0, double apart, std:
   for (std::size_t lane = 0; lane < rows * kEdge; lane += hn::Lanes(kDoubles)) {
     const Double column = hn::Add(all(static_cast<double>(lane % kEdge)), hn::Iota(kDoubles, 0));
     const Double x = hn::Add(all(x0), hn::Mul(column, all(apart)));
-    const double y = y0 + static_cast<double>(lane / kEdge) * apart;
+    const std::size_t row = lane / kEdge;
+    const double y = y0 + static_cast<double>(row) * apart;
     const Double right = hn::Mul(hn::Sub(hn::Add(x, all(0.5)), all(camera.half_width)), all(camera.pixel));
     const Double up = all((camera.half_height - y - 0.5) * camera.pixel);
     const Vec3v across = right * camera.right + up * camera.up;
