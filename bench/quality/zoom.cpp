@@ -10,7 +10,7 @@ namespace gvx::bench {
 namespace {
 
 constexpr int kFrames = 200;
-constexpr double kOctaves = 3;
+constexpr double kOctaves = 1.5;
 constexpr std::uint32_t kWidth = 96, kHeight = 72;
 
 /// The view of frame i: a pixel is one voxel wide at first, and 2^kOctaves at last.
@@ -48,7 +48,7 @@ Excess excess(const render::Picture& engine_before, const render::Picture& engin
 
 nlohmann::json bench_zoom(const Request& request, std::string& markdown) {
   say(markdown,
-      "200 frames, 96x72, away from the object by three octaves (a pixel is 1 to 8 voxels wide). Excess: by "
+      "200 frames, 96x72, away from the object by 1.5 octaves (a pixel is 1 to 2.83 voxels wide). Excess: by "
       "how much a step changes a pixel of the engine's more than of the reference's (16 rays a pixel); RMS "
       "over a frame's pixels.\n");
   say(markdown,
