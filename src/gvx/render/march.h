@@ -78,7 +78,8 @@ class RayMarcher {
           const std::uint32_t lack = place.lack_of(step.level);
           pixel.worst_lack = lack > pixel.worst_lack ? lack : pixel.worst_lack;
         }
-        walk_.fall_back(place);
+        walk_.ask_for_own(place);
+        if (place.lack != 0) place = walk_.stand_in(place);
       }
       Stretch<Voxel, M> stretch;
       if (take(state, step, place, stretch)) gather(state, stretch);

@@ -1,13 +1,12 @@
 #include "gvx/render/tile_march.h"
 
-#include <array>
+#include <algorithm>
 #include <atomic>
 #include <optional>
 
 #include "gvx/core/result.h"
 #include "gvx/exec/parallel.h"
 #include "gvx/render/composite.h"
-#include "gvx/render/leaf_table.h"
 #include "gvx/render/march_view.h"
 #include "gvx/render/stretch_batch.h"
 #include "gvx/render/tile_rays.h"
@@ -19,10 +18,8 @@ namespace {
 /// What a tile's march works in, for whichever tree; some hundred KB, so each thread keeps its own.
 struct Workspace {
   TileRays rays;
-  LeafTable leaves;
   StretchBatch batch;
-  RayList moving, waited, chosen;
-  RaySteps steps;
+  RayList list;
   PreviewPixel pixel[TileRays::kMost];  // their counts
 };
 
@@ -36,13 +33,23 @@ class TileMarcher {
  public:
   /// The rays through the pixels (x0 + i * apart, y0 + j * apart), `rows` rows of them; `preview`: they make
   /// do with what is resident. A thread has one at a time.
-  TileMarcher(const PassView<Voxel, N, M>& view, double x0, double y0, double apart, std::uint32_t rows,
-              bool preview)
-      : view_(view), walk_(view), preview_(preview), work_(this_threads_workspace()) {
-    set_up(view.frame, x0, y0, apart, rows, work_.rays);
+  TileMarcher(const PassView<Voxel, N, M>& view, const TileProjection& projection, double x0, double y0,
+              double apart, std::uint32_t rows, bool preview)
+      : view_(view),
+        walk_(view),
+        preview_(preview),
+        zones_(view.frame.fixed_blend < 0 && view.frame.lod_distance[0] < 1e300),
+        projection_(projection),
+        work_(this_threads_workspace()) {
+    const FrameView& frame = view.frame;
+    set_up(frame, x0, y0, apart, rows, work_.rays);
+    projection_.begin_tile(x0, y0);
     work_.batch.m = M;
-    work_.leaves.clear();
-    work_.moving.size = 0;
+    eye_tree_ = frame.world_to_tree.point(frame.camera.eye);
+    if (frame.camera.orthographic) {
+      const Vec3d forward = frame.world_to_tree.vector(frame.camera.forward);
+      for (int axis = 0; axis < 3; ++axis) eye_tree_[axis] = forward[axis] > 0 ? -1e300 : 1e300;
+    }
   }
 
   /// Ray `index` of the tile takes part, from where it is.
@@ -53,34 +60,36 @@ class TileMarcher {
     rays.opacity[index] = state.opacity;
     rays.samples[index] = static_cast<std::int32_t>(state.samples);
     work_.pixel[index] = {};
-    finished_[index] = false;
-    find_zone(index);
-    work_.moving.push(index);
+    resumed_ = resumed_ || state.tick > 0;
+    if (!(rays.enter[index] < rays.exit[index])) return;
+    rays.find_zone(view_.frame, index);
+    active_.set(index);
+    ++left_;
   }
 
-  /// Marches until no ray has anything to go through, or the deadline, at which rays step back before what
-  /// they were to go through.
+  /// Marches until no ray has anything to go through, or the deadline.
   void march(exec::Deadline deadline) {
-    // Stepping back costs the way to the brick again: a tile that was begun comes a good part further.
-    constexpr int kLeastBatches = 32;
-    advance();
-    for (int batches = 0; batches < kLeastBatches || !exec::late(deadline); ++batches) {
-      const std::uint32_t nearest = work_.leaves.nearest();
-      if (nearest == LeafTable::kNone) return;
-      composite(nearest);
-      advance();
+    deadline_ = deadline;
+    if (left_ == 0) return;
+    for (std::uint32_t ray = 0; ray < TileRays::kMost; ++ray) {
+      if (!active_.has(ray)) work_.rays.exit[ray] = -1;
     }
-    step_back();
+    visit(At(), TileRect());
   }
 
   /// Where ray `index` is now.
-  void take(std::uint32_t index, RayState& state) const {
+  RayState state_of(std::uint32_t index) const {
     const TileRays& rays = work_.rays;
+    RayState state;
     state.tick = static_cast<std::int64_t>(rays.tick[index]);
     state.color = {rays.color[0][index], rays.color[1][index], rays.color[2][index]};
     state.opacity = rays.opacity[index];
     state.samples = static_cast<std::uint32_t>(rays.samples[index]);
-    if (finished_[index]) state.phase = RayPhase::finished;
+    return state;
+  }
+  /// After the march: is it at its end?
+  bool finished(std::uint32_t index) const {
+    return !blocked_.has(index) && !(stopped_ && active_.has(index));
   }
   /// What a preview of it shows.
   PreviewPixel pixel(std::uint32_t index) const {
@@ -92,171 +101,273 @@ class TileMarcher {
   }
 
  private:
-  void find_zone(std::uint32_t ray) {
-    TileRays& rays = work_.rays;
+  /// A node on the way down.
+  struct At {
+    NodeIndex node, parent;
+    int level = 0;
+    double across = 1;  // nodes of that level along an axis
+    Vec3d cell;         // in nodes of its level
+    int ancestor_level = -1;
+    BrickIndex ancestor_slot;  // of the finest node above that has a brick
+  };
+  /// The levels that steps within a node may be of.
+  struct Levels {
+    int finest, coarsest;
+    double nearest = 0, farthest = 0;  // distances of the node
+  };
+
+  /// Goes through a node and all below it, nearest first, with the rays of a rectangle, which may meet it.
+  void visit(const At& at, const TileRect& rect) {
     const FrameView& frame = view_.frame;
-    const FrameView::Zone zone = frame.zone_at(rays.enter[ray], static_cast<std::int64_t>(rays.tick[ray]));
-    rays.level[ray] = zone.level;
-    rays.blended[ray] = zone.blended;
-    rays.stride[ray] = static_cast<double>(frame.stride[zone.level]);
-    rays.zone_end[ray] = zone.end == INT64_MAX ? TileRays::kNever : static_cast<double>(zone.end);
-    rays.across[ray] = TreeWalk<Voxel, N, M>::across(zone.level);
+    const tree::ChildWord child = view_.nodes.child[at.node.value];
+    if (child.transparent()) return;
+    const NodeBox box{at.cell / at.across, (at.cell + Vec3d(1)) / at.across};
+    for (int axis = 0; axis < 3; ++axis) {
+      if (box.high[axis] <= frame.box.minimum[axis] || box.low[axis] >= frame.box.maximum[axis]) return;
+    }
+    // Rays that go on have passed the nodes before: these are neither kept nor asked for.
+    if (resumed_ && !any_inside(frame, work_.rays, active_, box, rect)) return;
+    view_.tile_usage.touch(at.node.value / (N * N * N), view_.pass);
+    const tree::ContentWord content = view_.nodes.content[at.node.value];
+    Place place = place_at(at);
+    const Levels levels = levels_in(box);
+    if (content.kind() == tree::ContentKind::constant) {
+      place.kind = Place::constant;
+      return go_through(place, box, rect, levels, levels.finest, levels.coarsest);
+    }
+    const bool has_brick = content.kind() == tree::ContentKind::brick;
+    if (levels.finest > at.level && !child.terminal()) {
+      At within = at;
+      within.parent = at.node;
+      if (has_brick) {
+        within.ancestor_level = at.level;
+        within.ancestor_slot = content.brick();
+      }
+      if (child.has_children()) {
+        visit_children(within, child.children(), box, rect);
+      } else {
+        place = place_at(within);
+        place.lack = cache::kNeedsChildren;
+        go_through(place, box, rect, levels, levels.finest, at.level + 1);
+        place = place_at(at);
+      }
+      if (stopped_ || levels.coarsest > at.level) return;
+    }
+    place.kind = has_brick ? Place::brick : Place::nothing;
+    place.lack = has_brick ? 0 : cache::kNeedsBrick;
+    place.slot = content.brick();
+    place.brick_level = at.level;
+    go_through(place, box, rect, levels, child.terminal() ? levels.finest : at.level, at.level);
   }
 
-  /// Takes the rays that move to bricks, before which they wait, or to their ends.
-  void advance() {
-    RayList& moving = work_.moving;
-    RaySteps& steps = work_.steps;
-    LeafTable& leaves = work_.leaves;
-    while (moving.size > 0) {
-      // Each may find a node of its own.
-      if (!leaves.has_room_for(moving.size)) leaves.forget_idle();
-      find_cells(view_.frame, work_.rays, moving, steps);
-      find_leaves();
-      leave_nodes(view_.frame, leaves.faces(), moving, steps, work_.rays);
-      std::uint32_t still = 0;
-      for (std::uint32_t i = 0; i < moving.size; ++i) {
-        if (!goes_on(i)) continue;
-        moving.ray[still++] = moving.ray[i];
+  void visit_children(const At& within, TileIndex tile, const NodeBox& box, const TileRect& rect) {
+    At child = within;
+    child.level = within.level + 1;
+    child.across = within.across * N;
+    typename TileProjection::Rects rects;
+    projection_.project_children(box.low, 1 / child.across, N, rects);
+    int order[3][N];
+    for (int axis = 0; axis < 3; ++axis) {
+      order_along(eye_tree_[axis] * child.across - within.cell[axis] * N, order[axis]);
+    }
+    for (const int z : order[2]) {
+      for (const int y : order[1]) {
+        for (const int x : order[0]) {
+          const auto index = static_cast<std::uint32_t>(x + N * (y + N * z));
+          TileRect met = rects[index];
+          met = {std::max(met.x0, rect.x0), std::min(met.x1, rect.x1), std::max(met.y0, rect.y0),
+                 std::min(met.y1, rect.y1)};
+          if (met.empty() || !active_.any_in(met)) continue;
+          child.node = NodeIndex(tile.value * (N * N * N) + index);
+          child.cell = {within.cell.x * N + x, within.cell.y * N + y, within.cell.z * N + z};
+          visit(child, met);
+          if (stopped_ || left_ == 0) return;
+        }
       }
-      moving.size = still;
     }
   }
 
-  /// The leaf of each moving ray; those at their ends, or at a lack that they cannot pass, leave the list.
-  void find_leaves() {
-    RayList& moving = work_.moving;
-    RaySteps& steps = work_.steps;
-    TileRays& rays = work_.rays;
-    std::uint32_t kept = 0;
-    for (std::uint32_t i = 0; i < moving.size; ++i) {
-      const auto ray = static_cast<std::uint32_t>(moving.ray[i]);
-      if (steps.centre[i] < 0) {
-        finished_[ray] = true;
-        continue;
-      }
-      const std::uint32_t index =
-          leaf_at(rays.level[ray], rays.blended[ray], {steps.cell[0][i], steps.cell[1][i], steps.cell[2][i]});
-      const Place& place = work_.leaves[index].place;
-      if (place.lacks()) {
-        walk_.ask(place, 1 - rays.opacity[ray]);
-        if (!preview_) continue;
-      }
-      moving.ray[kept] = moving.ray[i];
-      steps.centre[kept] = steps.centre[i];
-      steps.node[kept++] = static_cast<std::int32_t>(index);
+  /// Children along an axis, those nearer to the eye first; it is at `eye`, in children.
+  static void order_along(double eye, int (&order)[N]) {
+    const int first = eye < 1 ? 0 : eye >= N - 1 ? N - 1 : static_cast<int>(eye);
+    int count = 0;
+    order[count++] = first;
+    for (int step = 1; step < N; ++step) {
+      if (first - step >= 0) order[count++] = first - step;
+      if (first + step < N) order[count++] = first + step;
     }
-    moving.size = kept;
   }
 
-  std::uint32_t leaf_at(int level, bool blended, Cell cell) {
-    const std::uint32_t known = work_.leaves.find(level, blended, cell, N);
-    if (known != LeafTable::kNone) return known;
-    Leaf leaf;
-    leaf.level = level;
-    leaf.blended = blended;
-    leaf.place = walk_.to(level, blended, {double(cell.x), double(cell.y), double(cell.z)},
-                          [](NodeIndex) { return false; });
-    Place& place = leaf.place;
-    std::int32_t cells = 1;
-    for (int l = place.level; l < level; ++l) cells *= N;
-    leaf.low = {cell.x / cells * cells, cell.y / cells * cells, cell.z / cells * cells};
-    leaf.high = {leaf.low.x + cells, leaf.low.y + cells, leaf.low.z + cells};
-    if (preview_ && place.lack != 0) {
-      leaf.lack = place.lack_of(level);
-      walk_.fall_back(place);
-    }
-    const bool coarser = place.coarser_than(level);
-    leaf.step_level = coarser ? place.brick_level : level;
-    if (place.kind == Place::brick && (preview_ || !place.lacks())) walk_.touch_bricks(place);
-    return work_.leaves.add(leaf, static_cast<double>(view_.frame.stride[leaf.step_level]), !coarser);
+  Place place_at(const At& at) const {
+    Place place;
+    place.node = at.node;
+    place.parent = at.parent;
+    place.level = at.level;
+    place.across = at.across;
+    place.cell = at.cell;
+    place.ancestor_level = at.ancestor_level;
+    place.ancestor_slot = at.ancestor_slot;
+    return place;
   }
 
-  /// What becomes of moving ray i in its node. Does it go on to the next?
-  bool goes_on(std::uint32_t i) {
-    const auto r = static_cast<std::uint32_t>(work_.moving.ray[i]);
-    TileRays& rays = work_.rays;
-    const auto index = static_cast<std::uint32_t>(work_.steps.node[i]);
-    const Leaf& leaf = work_.leaves[index];
-    if (preview_ && leaf.place.kind != Place::transparent) {
-      PreviewPixel& pixel = work_.pixel[r];
+  /// Certain not to leave out any: a zone may begin and end up to a step late.
+  Levels levels_in(const NodeBox& box) const {
+    const FrameView& frame = view_.frame;
+    if (frame.fixed_blend >= 0) return {frame.fixed_level, frame.fixed_level};
+    if (!zones_) return {frame.max_level, frame.max_level};
+    const TileProjection::Distances t = projection_.distances(box);
+    Levels levels{frame.max_level, frame.max_level, t.nearest, t.farthest};
+    while (levels.finest > 0 && t.nearest > zone_ends(levels.finest - 1)) --levels.finest;
+    while (levels.coarsest > 0 && t.farthest >= zone_begins(levels.coarsest - 1)) --levels.coarsest;
+    return levels;
+  }
+  double zone_begins(int level) const { return (1 - 1e-9) * view_.frame.lod_distance[level]; }
+  /// Up to where rays may not have noticed yet that the zone of `level` has begun.
+  double zone_ends(int level) const {
+    const FrameView& frame = view_.frame;
+    return (1 + 1e-9) * frame.lod_distance[level] +
+           2 * static_cast<double>(frame.stride[level]) * frame.tick_world;
+  }
+  bool may_be_zone(int level, bool blended, const Levels& levels) const {
+    const FrameView& frame = view_.frame;
+    if (frame.fixed_blend >= 0) return blended == (frame.fixed_blend > 0 && level > 0);
+    if (level == 0 || !zones_) return !blended;
+    if (level < frame.max_level) return blended;
+    return blended ? levels.farthest >= zone_begins(level) : levels.nearest <= zone_ends(level);
+  }
+
+  /// All steps of levels from `finest` to `coarsest`: a ray comes from finer ones to coarser ones.
+  void go_through(const Place& place, const NodeBox& box, const TileRect& rect, const Levels& levels,
+                  int finest, int coarsest) {
+    for (int level = finest; level >= coarsest; --level) {
+      for (const bool blended : {false, true}) {
+        if (stopped_ || !may_be_zone(level, blended, levels)) continue;
+        go_through(place, box, rect, level, blended);
+      }
+    }
+  }
+
+  /// Those of one zone.
+  void go_through(Place place, const NodeBox& box, const TileRect& rect, int level, bool blended) {
+    if (blended && place.kind != Place::constant && place.level == level) {
+      place.blended = place.ancestor_level == level - 1;
+      place.lacks_coarse = !place.blended;
+      place.parent_slot = place.ancestor_slot;
+    }
+    const bool stops = place.lacks() && !preview_;
+    const Place shown = place.lack != 0 && preview_ ? walk_.stand_in(place) : place;
+    StretchesWanted wanted;
+    wanted.zone = TileRays::zone_number(level, blended);
+    wanted.coarser = shown.coarser_than(level);
+    wanted.step_level = wanted.coarser ? shown.brick_level : level;
+    work_.batch.blended = false;
+    const bool is_brick = shown.kind == Place::brick && !stops;
+    const bool seen = is_brick && prepare(shown, level, wanted);
+    // Cells that cannot be seen are nobody's business, unless rays are counted or have passed them.
+    if (is_brick && !seen && !preview_ && !resumed_) return walk_.touch_bricks(shown);
+    gather_stretches(view_.frame, active_, box, rect, wanted, work_.rays, work_.batch, work_.list);
+    const RayList& list = work_.list;
+    if (list.size == 0) return;
+    if (place.lacks()) {
+      float most_opacity = 1;
+      for (std::uint32_t i = 0; i < list.size; ++i) {
+        most_opacity = std::min(most_opacity, work_.batch.opacity[i]);
+      }
+      walk_.ask(place, 1 - most_opacity);
+      if (stops) return block();
+      walk_.ask_for_own(place);
+    }
+    if (preview_) count_wanted(place, level);
+    if (shown.kind == Place::constant) composite_constants(shown, level);
+    if (!is_brick) return;
+    walk_.touch_bricks(shown);
+    if (!seen) return;
+    if (view_.frame.classification == scene::Classification::post) {
+      composite_post_batch(view_.frame, work_.batch);
+    } else {
+      composite_batch(view_.frame, work_.batch);
+    }
+    take_back();
+    // Beginning a tile costs something: one that was begun comes a good part further.
+    constexpr int kLeastBatches = 32;
+    stopped_ = ++batches_ >= kLeastBatches && exec::late(deadline_);
+  }
+
+  void count_wanted(const Place& place, int level) {
+    const std::uint32_t lack = place.lack != 0 ? place.lack_of(level) : 0;
+    for (std::uint32_t i = 0; i < work_.list.size; ++i) {
+      PreviewPixel& pixel = work_.pixel[work_.list.ray[i]];
       ++pixel.wanted;
-      pixel.resident += leaf.place.lacks() ? 0 : 1;
-      pixel.worst_lack = leaf.lack > pixel.worst_lack ? leaf.lack : pixel.worst_lack;
+      pixel.resident += place.lacks() ? 0 : 1;
+      pixel.worst_lack = std::max(pixel.worst_lack, lack);
     }
-    if (leaf.place.kind == Place::brick) {
-      rays.centre[r] = work_.steps.centre[i];
-      rays.steps[r] = static_cast<std::int32_t>(work_.steps.steps[i]);
-      work_.leaves.wait(index, r, work_.steps.centre[i]);
-      return false;
-    }
-    if (leaf.place.kind == Place::constant) {
-      RayState state;
-      take(r, state);
-      composite_constant({view_.frame, {}, {}}, walk_.ranges_of(leaf.place), leaf.level,
-                         static_cast<std::int64_t>(work_.steps.steps[i]), state);
-      put(r, state);
-      if (state.phase == RayPhase::finished) return false;
-    }
-    if (rays.tick[r] >= rays.zone_end[r]) find_zone(r);
-    return true;
   }
 
-  void put(std::uint32_t ray, const RayState& state) {
-    TileRays& rays = work_.rays;
-    for (int c = 0; c < 3; ++c) rays.color[c][ray] = state.color[c];
-    rays.opacity[ray] = state.opacity;
-    rays.samples[ray] = static_cast<std::int32_t>(state.samples);
-    finished_[ray] = state.phase == RayPhase::finished;
-  }
-
-  /// Composites all rays that wait before a leaf's brick; those that are not finished move.
-  void composite(std::uint32_t index) {
-    const Leaf& leaf = work_.leaves[index];
+  /// Makes the batch ready for a place's brick; false where nothing of that can be seen.
+  bool prepare(const Place& place, int level, StretchesWanted& wanted) {
     const FrameView& frame = view_.frame;
     StretchBatch& batch = work_.batch;
-    work_.leaves.release(index, work_.waited);
-    order_by_steps();
-    const Place& place = leaf.place;
-    batch.units = frame.units_per_tick * static_cast<float>(frame.stride[leaf.step_level]);
-    batch.level = leaf.step_level;
+    batch.units = frame.units_per_tick * static_cast<float>(frame.stride[wanted.step_level]);
+    batch.level = wanted.step_level;
     batch.blended = place.blended;
-    const BrickPlace fine = path_of(place, place.slot, place.brick_level, batch.fine);
+    wanted.fine = path_of(place, place.slot, place.brick_level, batch.fine);
     // Far coarser than wanted, deviations are of more than a step can tell apart: they would show fog.
-    batch.fine.deviates = place.brick_level < frame.max_level && place.brick_level == leaf.level;
-    batch.fine.gradient_scale = frame.gradient_scale[leaf.step_level];
-    BrickPlace coarse;
+    batch.fine.deviates = place.brick_level < frame.max_level && place.brick_level == level;
+    batch.fine.gradient_scale = frame.gradient_scale[wanted.step_level];
     if (place.blended) {
-      coarse = path_of(place, place.parent_slot, place.level - 1, batch.coarse);
+      wanted.coarse = path_of(place, place.parent_slot, place.level - 1, batch.coarse);
       batch.coarse.deviates = true;
-      batch.coarse.gradient_scale = frame.gradient_scale[leaf.step_level - 1];
+      batch.coarse.gradient_scale = frame.gradient_scale[wanted.step_level - 1];
     }
-    fill_batch(frame, work_.rays, work_.chosen, leaf.step_level, fine, coarse, batch);
     const bool post = frame.classification == scene::Classification::post;
     const bool alone = !place.blended && (post || !batch.fine.deviates);
     batch.cells = alone ? cells_of(place.slot) : ~std::uint64_t(0);
-    if (batch.cells != 0) {
-      if (post) {
-        composite_post_batch(frame, batch);
-      } else {
-        composite_batch(frame, batch);
-      }
+    return batch.cells != 0;
+  }
+
+  /// The rays of the list stop before what they were to go through.
+  void block() {
+    for (std::uint32_t i = 0; i < work_.list.size; ++i) {
+      const auto ray = static_cast<std::uint32_t>(work_.list.ray[i]);
+      work_.rays.tick[ray] = work_.rays.start[ray];
+      blocked_.set(ray);
+      retire(ray);
     }
-    take_back(batch, work_.chosen, work_.rays);
+  }
+
+  /// The ray has nothing more to do in this pass.
+  void retire(std::uint32_t ray) {
+    work_.rays.exit[ray] = -1;
+    active_.clear(ray);
+    --left_;
+  }
+
+  void composite_constants(const Place& place, int level) {
+    const RayView view{view_.frame, {}, {}};
+    const ChannelRanges values = walk_.ranges_of(place);
     TileRays& rays = work_.rays;
-    std::uint64_t go_on[TileRays::kMost / 64] = {};
-    for (std::uint32_t i = 0; i < work_.chosen.size; ++i) {
-      const auto ray = static_cast<std::uint32_t>(work_.chosen.ray[i]);
-      if (rays.opacity[ray] >= kOpaque) {
-        finished_[ray] = true;
-        continue;
-      }
-      if (rays.tick[ray] >= rays.zone_end[ray]) find_zone(ray);
-      go_on[ray / 64] |= std::uint64_t(1) << ray % 64;
+    for (std::uint32_t i = 0; i < work_.list.size; ++i) {
+      const auto ray = static_cast<std::uint32_t>(work_.list.ray[i]);
+      RayState state = state_of(ray);
+      const double steps = (rays.tick[ray] - rays.start[ray]) / rays.stride[ray];
+      composite_constant(view, values, level, static_cast<std::int64_t>(steps), state);
+      for (int c = 0; c < 3; ++c) rays.color[c][ray] = state.color[c];
+      rays.opacity[ray] = state.opacity;
+      rays.samples[ray] = static_cast<std::int32_t>(state.samples);
+      if (state.phase == RayPhase::finished) retire(ray);
     }
-    // In the tile's order: rays that stand side by side are loaded side by side.
-    for (std::uint32_t word = 0; word < TileRays::kMost / 64; ++word) {
-      work_.moving.push_bits(64 * word, go_on[word]);
+  }
+
+  /// Gives the rays what the batch has gathered.
+  void take_back() {
+    const StretchBatch& batch = work_.batch;
+    TileRays& rays = work_.rays;
+    for (std::uint32_t i = 0; i < work_.list.size; ++i) {
+      const auto ray = static_cast<std::uint32_t>(work_.list.ray[i]);
+      for (int c = 0; c < 3; ++c) rays.color[c][ray] = batch.color[c][i];
+      rays.opacity[ray] = batch.opacity[i];
+      rays.samples[ray] = batch.samples[i];
+      if (batch.opacity[i] >= kOpaque) retire(ray);
     }
   }
 
@@ -277,41 +388,19 @@ class TileMarcher {
     return {at.across, at.corner};
   }
 
-  /// Rays of a vector go as far as the one that goes farthest: those that go as far are put together.
-  void order_by_steps() {
-    constexpr std::int32_t kLengths = 128;
-    const RayList& waited = work_.waited;
-    RayList& chosen = work_.chosen;
-    const auto length_of = [&](std::int32_t ray) {
-      const std::int32_t steps = work_.rays.steps[static_cast<std::size_t>(ray)];
-      return static_cast<std::size_t>(steps < kLengths ? steps : kLengths - 1);
-    };
-    std::array<std::uint16_t, kLengths + 1> first{};
-    for (std::uint32_t i = 0; i < waited.size; ++i) ++first[length_of(waited.ray[i]) + 1];
-    for (std::size_t i = 1; i < first.size(); ++i)
-      first[i] = static_cast<std::uint16_t>(first[i] + first[i - 1]);
-    for (std::uint32_t i = 0; i < waited.size; ++i)
-      chosen.ray[first[length_of(waited.ray[i])]++] = waited.ray[i];
-    chosen.size = waited.size;
-  }
-
-  void step_back() {
-    for (std::uint32_t nearest = work_.leaves.nearest(); nearest != LeafTable::kNone;
-         nearest = work_.leaves.nearest()) {
-      const auto stride = static_cast<double>(view_.frame.stride[work_.leaves[nearest].step_level]);
-      work_.leaves.release(nearest, work_.chosen);
-      for (std::uint32_t i = 0; i < work_.chosen.size; ++i) {
-        const auto ray = static_cast<std::uint32_t>(work_.chosen.ray[i]);
-        work_.rays.tick[ray] -= static_cast<double>(work_.rays.steps[ray]) * stride;
-      }
-    }
-  }
-
   const PassView<Voxel, N, M>& view_;
   const TreeWalk<Voxel, N, M> walk_;
   const bool preview_;
+  const bool zones_;  // there are several along a ray
+  TileProjection projection_;
+  Vec3d eye_tree_;
   Workspace& work_;
-  std::array<bool, TileRays::kMost> finished_;
+  ActiveRays active_, blocked_;
+  int left_ = 0;          // active ones
+  bool resumed_ = false;  // some ray was on its way before
+  bool stopped_ = false;  // by the deadline
+  int batches_ = 0;
+  exec::Deadline deadline_;
 };
 
 /// Calls function(i, x, y) for each ray of a tile; i is its place among those of the tile.
@@ -330,6 +419,7 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
                  exec::TileGrid grid, exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
                  exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
   std::atomic<bool> all_begun{true};
+  const TileProjection projection(view.frame, 1);
   exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
     if (exec::late(deadline)) {
       all_begun.store(false, std::memory_order_relaxed);
@@ -340,12 +430,12 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
     // A tile that is finished must cost next to nothing, or short frames end in it.
     std::optional<TileMarcher<Voxel, N, M>> marcher;
     RayList marching;
-    const auto state_of = [&](std::uint32_t x, std::uint32_t y) -> RayState& {
+    const auto state_at = [&](std::uint32_t x, std::uint32_t y) -> RayState& {
       return rays[std::size_t(y) * grid.width + x];
     };
     bool all_finished = true;
     for_rays(grid, tiles[t], [&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
-      RayState& ray = state_of(x, y);
+      RayState& ray = state_at(x, y);
       if (ray.epoch != pass.epoch) {
         ray = RayState{};
         ray.epoch = pass.epoch;
@@ -355,16 +445,21 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
         all_finished = false;
         return;
       }
-      if (!marcher) marcher.emplace(view, double(x0), double(y0), 1.0, grid.tile, false);
+      if (!marcher) marcher.emplace(view, projection, double(x0), double(y0), 1.0, grid.tile, false);
       marcher->add(i, ray);
-      marching.push(i);
+      marching.ray[marching.size++] = static_cast<std::int32_t>(i);
     });
     if (marcher) marcher->march(deadline);
     for (std::uint32_t k = 0; k < marching.size; ++k) {
       const auto i = static_cast<std::uint32_t>(marching.ray[k]);
-      RayState& ray = state_of(x0 + i % exec::TileGrid::kTile, y0 + i / exec::TileGrid::kTile);
-      marcher->take(i, ray);
-      all_finished = all_finished && ray.phase == RayPhase::finished;
+      RayState& ray = state_at(x0 + i % exec::TileGrid::kTile, y0 + i / exec::TileGrid::kTile);
+      ray = marcher->state_of(i);
+      ray.epoch = pass.epoch;
+      if (marcher->finished(i)) {
+        ray.phase = RayPhase::finished;
+      } else {
+        all_finished = false;
+      }
     }
     if (!all_finished) exec::store_relaxed(&unfinished[tiles[t]], 1);
   });
@@ -377,6 +472,7 @@ bool preview_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, c
                    std::uint32_t block, std::uint32_t generation, exec::BufferView<const RayState> rays,
                    exec::BufferView<PreviewPixel> pixels) {
   std::atomic<bool> all_done{true};
+  const TileProjection projection(view.frame, double(block));
   exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
     if (exec::late(deadline)) {
       all_done.store(false, std::memory_order_relaxed);
@@ -393,9 +489,9 @@ bool preview_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, c
       const std::size_t pixel = pixel_of(x, y);
       if (rays[pixel].epoch == pass.epoch && rays[pixel].phase == RayPhase::finished) return;
       if (pixels[pixel].epoch == pass.epoch && pixels[pixel].generation == generation) return;
-      if (!marcher) marcher.emplace(view, double(x0), double(y0), double(block), grid.tile, true);
+      if (!marcher) marcher.emplace(view, projection, double(x0), double(y0), double(block), grid.tile, true);
       marcher->add(i, RayState{});
-      marching.push(i);
+      marching.ray[marching.size++] = static_cast<std::int32_t>(i);
     });
     // A preview's ray cannot stop half way.
     if (marcher) marcher->march(exec::no_deadline());
@@ -414,15 +510,14 @@ bool preview_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, c
 }  // namespace
 
 bool marches_tiles(const Pass& pass) {
-  // Ticks and cells are counted in doubles.
+  // Ticks are counted in doubles.
   constexpr double kMostTicks = 1e15;
   const FrameView& frame = pass.frame;
   const Affine3 to_world = inverse(frame.world_to_tree);
   double diagonal = 0;
   for (const Vec3d& column : to_world.column) diagonal += length(column);
   const double ticks = diagonal / frame.tick_world;
-  const auto across = static_cast<double>(frame.stride[0]);
-  return !pass.one_ray_at_a_time && composites_batches(frame) && ticks < kMostTicks && across <= kMostAcross;
+  return !pass.one_ray_at_a_time && composites_batches(frame) && ticks < kMostTicks;
 }
 
 bool tile_march(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,

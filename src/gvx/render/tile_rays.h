@@ -1,10 +1,12 @@
 /// \file
-/// TileRays: the rays of a tile of the film side by side, and their way from node to node in vectors of
-/// doubles. What is computed for a ray is what RayMarcher of march.h computes: its bits depend neither on the
-/// other rays nor on the instruction set.
+/// TileRays: the rays of a tile of the film side by side, and what of them is in a node, in vectors of doubles.
+///
+/// A node's faces and a ray give the distances between which the ray is in the node; the steps whose centres
+/// lie between them are the node's. They are counted from where the ray enters the volume, so nodes that share
+/// a face share out steps without gaps, whatever else is visited or resident. A ray's bits depend neither on
+/// the other rays nor on the instruction set.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 
 #include "gvx/exec/tile_grid.h"
@@ -14,79 +16,121 @@
 namespace gvx::render {
 
 struct TileRays {
-  static constexpr std::uint32_t kMost = exec::TileGrid::kTile * exec::TileGrid::kTile;
-  static constexpr double kNever = 9e15;  ///< a tick that never comes
+  static constexpr std::uint32_t kEdge = exec::TileGrid::kTile;
+  static constexpr std::uint32_t kMost = kEdge * kEdge;  ///< ray (x, y) of the tile is number y * kEdge + x
+  static constexpr double kNever = 9e15;                 ///< a tick that never comes
 
   /// In tree space; t is the distance in the world.
   alignas(64) double origin[3][kMost];
   alignas(64) double direction[3][kMost];
-  alignas(64) double inverse[3][kMost];  ///< of the direction
+  alignas(64) double inverse[3][kMost];  ///< of the direction; finite
   alignas(64) double enter[kMost];       ///< the visible volume
-  alignas(64) double exit[kMost];
+  alignas(64) double exit[kMost];        ///< no more than `enter`: has nothing to go through
   alignas(64) double world_origin[3][kMost];
   alignas(64) float world_direction[3][kMost];
 
   /// Where the next step starts, and the zone that it is in (FrameView::Zone).
   alignas(64) double tick[kMost];
   alignas(64) double stride[kMost];
+  alignas(64) double steps_per_t[kMost];
   alignas(64) double zone_end[kMost];
-  alignas(64) double across[kMost];  ///< nodes of the zone's level along an axis
-  std::int32_t level[kMost];
-  bool blended[kMost];
-
-  /// The stretch that a ray stands before.
-  alignas(64) double centre[kMost];  ///< of its first step
-  alignas(64) std::int32_t steps[kMost];
+  alignas(64) std::int32_t zone[kMost];  ///< zone_number() of it
+  alignas(64) double start[kMost];       ///< of the stretch that was gathered last
 
   /// RayState.
   alignas(64) float color[3][kMost];
   alignas(64) float opacity[kMost];
   alignas(64) std::int32_t samples[kMost];
+
+  /// A zone's level and whether levels are blended in it.
+  static std::int32_t zone_number(int level, bool blended) { return 2 * level + (blended ? 1 : 0); }
+  /// Finds the zone of the step at a ray's tick.
+  void find_zone(const FrameView& frame, std::uint32_t ray);
 };
 
-/// Some rays of a tile, in any order.
+/// Some rays of a tile, in their order.
 struct RayList {
   std::uint32_t size = 0;
   alignas(64) std::int32_t ray[TileRays::kMost];
+};
 
-  void push(std::uint32_t index) { ray[size++] = static_cast<std::int32_t>(index); }
-  /// Those from `first` on whose bits are set, in their order.
-  void push_bits(std::uint32_t first, std::uint64_t bits) {
-    for (; bits != 0; bits &= bits - 1) push(first + static_cast<std::uint32_t>(std::countr_zero(bits)));
+/// Rays (x, y) of a tile with x0 <= x <= x1 and y0 <= y <= y1.
+struct TileRect {
+  int x0 = 0, x1 = TileRays::kEdge - 1, y0 = 0, y1 = TileRays::kEdge - 1;
+
+  bool empty() const { return x0 > x1 || y0 > y1; }
+};
+
+/// Which rays of a tile there are to march.
+struct ActiveRays {
+  std::uint16_t row[TileRays::kEdge] = {};  ///< a bit for each x
+
+  void set(std::uint32_t ray) { row[ray / TileRays::kEdge] |= bit(ray); }
+  bool has(std::uint32_t ray) const { return (row[ray / TileRays::kEdge] & bit(ray)) != 0; }
+  void clear(std::uint32_t ray) { row[ray / TileRays::kEdge] &= static_cast<std::uint16_t>(~bit(ray)); }
+  bool any_in(const TileRect& rect) const {
+    std::uint32_t any = 0;
+    for (int y = rect.y0; y <= rect.y1; ++y) any |= row[y];
+    return (any >> rect.x0 & ((2u << (rect.x1 - rect.x0)) - 1)) != 0;
+  }
+
+ private:
+  static std::uint16_t bit(std::uint32_t ray) {
+    return static_cast<std::uint16_t>(1u << ray % TileRays::kEdge);
   }
 };
 
-/// The next steps of the rays of a list, and the nodes that hold them.
-struct RaySteps {
-  alignas(64) double centre[TileRays::kMost];         ///< of the step; negative: behind the visible volume
-  alignas(64) std::int32_t cell[3][TileRays::kMost];  ///< of the ray's level
-  alignas(64) std::int32_t node[TileRays::kMost];     ///< its place in NodeFaces
-  alignas(64) double steps[TileRays::kMost];          ///< whose centres are in the node
+/// A node in tree space.
+struct NodeBox {
+  Vec3d low, high;
 };
 
-/// What rays must know of nodes to leave them.
-struct NodeFaces {
-  static constexpr std::uint32_t kMost = 1024;
+/// From tree space to the rays of a tile: which of them may meet a node.
+class TileProjection {
+ public:
+  /// Of tiles whose rays are `apart` pixels apart.
+  TileProjection(const FrameView& frame, double apart);
 
-  alignas(64) double face[3][2 * kMost];  ///< in tree space: the low ones, then the high ones
-  alignas(64) double stride[kMost];       ///< of the steps in the node
-  alignas(64) double most_steps[kMost];
-  alignas(64) double zoned[kMost];  ///< 1: steps end with the ray's zone; 0: a preview's coarser steps do not
+  /// That of the tile whose first ray is that of the pixel (x, y).
+  void begin_tile(double x, double y);
+
+  /// How far a node is from the eye at least and at most; in the world.
+  struct Distances {
+    double nearest, farthest;
+  };
+  Distances distances(const NodeBox& node) const;
+
+  /// All children of a node, x first; rays that meet one are in its rectangle.
+  struct Rects {
+    static constexpr int kMost = 32;
+    alignas(64) std::int32_t x0[kMost], x1[kMost], y0[kMost], y1[kMost];
+
+    TileRect operator[](std::uint32_t child) const { return {x0[child], x1[child], y0[child], y1[child]}; }
+  };
+  /// `n` children along an axis, each `edge` wide, from `low` on.
+  void project_children(Vec3d low, double edge, int n, Rects& rects) const;
+
+  // What follows is for project_children's vectors.
+  Vec3d across, down, ahead;        ///< of the camera, in tree space: what one unit of x, y, z adds
+  Vec3d eye;                        ///< what these are at tree space's origin
+  double first_x = 0, first_y = 0;  ///< the place of x = 0, y = 0 among the tile's rays
+  bool orthographic = false;
+
+ private:
+  double apart_;
+  double half_width_, half_height_;
+  Affine3 tree_to_world_;
+  Vec3d eye_world_;
+  double diagonal_world_ = 0;  // of all of tree space, the longest
 };
-
-/// The finest level whose cells are counted here.
-inline constexpr double kMostAcross = 1 << 30;
 
 /// The rays through the pixels (x0 + i * apart, y0 + j * apart) for i below the tile's edge and j below
-/// `rows`; the place of each is j * edge + i.
+/// `rows`; all rays of the tile are written.
 void set_up(const FrameView& frame, double x0, double y0, double apart, std::uint32_t rows, TileRays& rays);
 
-/// The centre and cell of each ray's next step.
-void find_cells(const FrameView& frame, const TileRays& rays, RayList& list, RaySteps& steps);
-
-/// Moves each ray behind all its steps whose centres are in its node.
-void leave_nodes(const FrameView& frame, const NodeFaces& nodes, RayList& list, RaySteps& steps,
-                 TileRays& rays);
+/// Has any active ray some of this node before it?
+bool any_inside(const FrameView& frame, const TileRays& rays, const ActiveRays& active, const NodeBox& node,
+                const TileRect& rect);
 
 /// A brick's place in tree space: bricks like it along an axis, and its corner in bricks.
 struct BrickPlace {
@@ -94,12 +138,19 @@ struct BrickPlace {
   Vec3d corner;
 };
 
-/// Puts the stretches of rays through a brick, and the coarser one where the batch is blended, into the
-/// batch: where they go and what they have gathered. `level` is that of their steps.
-void fill_batch(const FrameView& frame, const TileRays& rays, RayList& list, int level,
-                const BrickPlace& fine, const BrickPlace& coarse, StretchBatch& batch);
+/// Which rays of a node are taken, and in which steps.
+struct StretchesWanted {
+  std::int32_t zone = 0;  ///< those that stand in this zone
+  int step_level = 0;     ///< its level, or that of a coarser brick
+  bool coarser = false;   ///< then steps do not end with the zone
+  BrickPlace fine, coarse;
+};
 
-/// Gives the rays what the batch has gathered.
-void take_back(const StretchBatch& batch, const RayList& list, TileRays& rays);
+/// Puts the stretches of rays through a node into the batch: their steps, where they go in the brick, and in
+/// the coarser one where the batch is blended, and what they have gathered. The rays are put behind them.
+/// Those that come to the end of their zone before the node are put into the next.
+void gather_stretches(const FrameView& frame, const ActiveRays& active, const NodeBox& node,
+                      const TileRect& rect, const StretchesWanted& wanted, TileRays& rays,
+                      StretchBatch& batch, RayList& list);
 
 }  // namespace gvx::render

@@ -1,5 +1,7 @@
-// TileRays' way from node to node, with a ray in each lane of a vector. Compiled once for each instruction
-// set.
+// What of a tile's rays is in a node, with a ray in each lane of a vector; and which of them may meet a node's
+// children, with a child in each. Compiled once for each instruction set.
+
+#include <bit>
 
 #include "gvx/render/simd_targets.h"
 #include "gvx/render/tile_rays.h"
@@ -32,12 +34,6 @@ constexpr HalfInts kHalfInts;
 
 HWY_INLINE Double all(double value) {
   return hn::Set(kDoubles, value);
-}
-HWY_INLINE Long load_indices(const std::int32_t* indices) {
-  return hn::PromoteTo(kLongs, hn::Load(kHalfInts, indices));
-}
-HWY_INLINE Double gather(const double* values, Long index) {
-  return hn::GatherIndex(kDoubles, values, index);
 }
 HWY_INLINE hn::Vec<HalfFloats> to_floats(Double values) {
   return hn::DemoteTo(kHalfFloats, values);
@@ -104,7 +100,8 @@ void set_up_all(const FrameView& frame, double x0, double y0, double apart, std:
       outside = hn::Or(outside, hn::And(still, hn::Or(hn::Lt(o, low), hn::Gt(o, high))));
       enter = hn::IfThenElse(still, enter, hn::Max(enter, hn::Min(to_low, to_high)));
       exit = hn::IfThenElse(still, exit, hn::Min(exit, hn::Max(to_low, to_high)));
-      hn::Store(hn::Div(all(1), d), kDoubles, rays.inverse[axis] + lane);
+      // Finite, so that a face that the ray lies in gives 0 and not nothing.
+      hn::Store(hn::IfThenElse(still, all(1e300), hn::Div(all(1), d)), kDoubles, rays.inverse[axis] + lane);
     };
     along(origin.x, direction.x, 0);
     along(origin.y, direction.y, 1);
@@ -115,155 +112,240 @@ void set_up_all(const FrameView& frame, double x0, double y0, double apart, std:
   }
 }
 
-/// Reads and writes what belongs to rays that stand anywhere in the tile.
-struct Anywhere {
-  Long ray;
-
-  HWY_INLINE Double read(const double* values) const { return gather(values, ray); }
-  HWY_INLINE void write(Double value, double* values) const {
-    hn::ScatterIndex(value, kDoubles, values, ray);
-  }
-};
-/// Of rays that stand side by side.
-struct SideBySide {
-  std::size_t first;
-
-  HWY_INLINE Double read(const double* values) const { return hn::LoadU(kDoubles, values + first); }
-  HWY_INLINE void write(Double value, double* values) const { hn::StoreU(value, kDoubles, values + first); }
+/// Where a vector of rays is in a node: between these distances.
+struct Interval {
+  Double in, out;
 };
 
-/// Calls step(i, access) for each vector of a list's rays, which ascend. Those of a tile's row often move
-/// together.
-template <typename Step>
-HWY_INLINE void for_vectors(const RayList& list, const Step& step) {
-  constexpr std::size_t kLanes = hn::MaxLanes(kDoubles);
-  for (std::size_t i = 0; i < list.size; i += kLanes) {
-    const std::int32_t first = list.ray[i];
-    const bool whole = i + kLanes <= list.size;
-    if (whole && list.ray[i + kLanes - 1] - first == static_cast<std::int32_t>(kLanes) - 1) {
-      step(i, SideBySide{static_cast<std::size_t>(first)});
-    } else {
-      step(i, Anywhere{load_indices(list.ray + i)});
-    }
-  }
-}
-
-/// Where rays come from: the eye is the same for all.
-template <typename Access>
-HWY_INLINE Double origin_of(const FrameView& frame, const TileRays& rays, const Access& access, int axis) {
-  return frame.camera.orthographic ? access.read(rays.origin[axis]) : all(rays.origin[axis][0]);
-}
-
-void find_cells_of(const FrameView& frame, const TileRays& rays, const RayList& list, RaySteps& steps) {
-  for_vectors(list, [&](std::size_t i, const auto& access) HWY_ATTR {
-    const Double to_centre = hn::Add(access.read(rays.tick), hn::Mul(all(0.5), access.read(rays.stride)));
-    const Double centre = hn::Add(access.read(rays.enter), hn::Mul(to_centre, all(frame.tick_world)));
-    const Mask within = hn::Lt(centre, access.read(rays.exit));
-    hn::Store(hn::IfThenElse(within, centre, all(-1)), kDoubles, steps.centre + i);
-    const Double across = access.read(rays.across);
-    for (int axis = 0; axis < 3; ++axis) {
-      const Double way = hn::Mul(centre, access.read(rays.direction[axis]));
-      const Double p = hn::Add(origin_of(frame, rays, access, axis), way);
-      // cell_along of tree_walk.h.
-      const Double held = hn::Min(hn::Max(p, all(frame.box.minimum[axis])), all(frame.last_inside[axis]));
-      hn::Store(hn::DemoteTo(kHalfInts, hn::Mul(held, across)), kHalfInts, steps.cell[axis] + i);
-    }
-  });
-}
-
-/// RayMarcher::take.
-void leave_nodes_of(const FrameView& frame, const NodeFaces& nodes, const RayList& list, RaySteps& steps,
-                    TileRays& rays) {
-  const Double zero = hn::Zero(kDoubles), one = all(1);
-  const Long to_high = hn::Set(kLongs, NodeFaces::kMost);
-  const bool zones = frame.lod_distance[0] < 1e300;
-  for_vectors(list, [&](std::size_t i, const auto& access) HWY_ATTR {
-    const Long node = load_indices(steps.node + i);
-    Double exit = access.read(rays.exit);
-    for (int axis = 0; axis < 3; ++axis) {
-      const Double direction = access.read(rays.direction[axis]);
-      const Long high =
-          hn::BitCast(kLongs, hn::IfThenElseZero(hn::Gt(direction, zero), hn::BitCast(kDoubles, to_high)));
-      const Double face = gather(nodes.face[axis], hn::Add(node, high));
-      const Double from = origin_of(frame, rays, access, axis);
-      const Double t = hn::Mul(hn::Sub(face, from), access.read(rays.inverse[axis]));
-      exit = hn::IfThenElse(hn::And(hn::Lt(t, exit), hn::Ne(direction, zero)), t, exit);
-    }
-    const Double stride = gather(nodes.stride, node), tick = access.read(rays.tick);
-    const Double centre = hn::Load(kDoubles, steps.centre + i);
-    const Double count = hn::Div(hn::Sub(exit, centre), hn::Mul(all(frame.tick_world), stride));
-    Double whole = hn::Ceil(hn::IfThenElse(hn::Gt(count, one), hn::Min(count, all(1e15)), one));
-    if (zones) {
-      const Double to_zone_end = hn::Div(hn::Sub(access.read(rays.zone_end), tick), stride);
-      const Mask zoned = hn::Gt(gather(nodes.zoned, node), zero);
-      whole = hn::IfThenElse(zoned, hn::Min(whole, to_zone_end), whole);
-    }
-    whole = hn::Min(whole, gather(nodes.most_steps, node));
-    hn::Store(whole, kDoubles, steps.steps + i);
-    access.write(hn::Add(tick, hn::Mul(whole, stride)), rays.tick);
-  });
-}
-
-HWY_INLINE void fill_path(const TileRays& rays, Long ray, Double centre, Double t_step,
-                          const BrickPlace& place, double m, std::size_t i, StretchBatch::Path& path) {
+/// Rays from `r` on.
+HWY_INLINE Interval interval_of(const FrameView& frame, const TileRays& rays, const NodeBox& node,
+                                std::size_t r) {
+  Interval t{hn::Load(kDoubles, rays.enter + r), hn::Load(kDoubles, rays.exit + r)};
+  const bool one_origin = !frame.camera.orthographic;
   for (int axis = 0; axis < 3; ++axis) {
-    const Double direction = gather(rays.direction[axis], ray);
-    const Double p = hn::Add(gather(rays.origin[axis], ray), hn::Mul(centre, direction));
-    const Double first = hn::Mul(hn::Sub(hn::Mul(p, all(place.across)), all(place.corner[axis])), all(m));
-    const Double per_step = hn::Mul(hn::Mul(hn::Mul(direction, t_step), all(place.across)), all(m));
-    hn::Store(to_floats(first), kHalfFloats, path.first[axis] + i);
-    hn::Store(to_floats(per_step), kHalfFloats, path.per_step[axis] + i);
+    const Double origin =
+        one_origin ? all(rays.origin[axis][0]) : hn::Load(kDoubles, rays.origin[axis] + r);
+    const Double inverse = hn::Load(kDoubles, rays.inverse[axis] + r);
+    const Double a = hn::Mul(hn::Sub(all(node.low[axis]), origin), inverse);
+    const Double b = hn::Mul(hn::Sub(all(node.high[axis]), origin), inverse);
+    t.in = hn::Max(t.in, hn::Min(a, b));
+    t.out = hn::Min(t.out, hn::Max(a, b));
+  }
+  return t;
+}
+
+/// Calls function(r) for each vector of a rectangle's rays in which any is active.
+template <typename Function>
+HWY_INLINE void for_vectors(const ActiveRays& active, const TileRect& rect, const Function& function) {
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(kDoubles));
+  constexpr int kEdge = static_cast<int>(TileRays::kEdge);
+  for (int y = rect.y0; y <= rect.y1; ++y) {
+    for (int x = rect.x0 / kLanes * kLanes; x <= rect.x1; x += kLanes) {
+      if ((active.row[y] >> x & ((1u << kLanes) - 1)) != 0) function(static_cast<std::size_t>(y * kEdge + x));
+    }
   }
 }
 
-void fill_batch_of(const FrameView& frame, const TileRays& rays, const RayList& list, int level,
-                   const BrickPlace& fine, const BrickPlace& coarse, StretchBatch& batch) {
-  const Double t_step = all(frame.tick_world * static_cast<double>(frame.stride[level]));
+bool any_inside_of(const FrameView& frame, const TileRays& rays, const ActiveRays& active, const NodeBox& node,
+                   const TileRect& rect) {
+  bool any = false;
+  for_vectors(active, rect, [&](std::size_t r) HWY_ATTR {
+    const Interval t = interval_of(frame, rays, node, r);
+    const Double enter = hn::Load(kDoubles, rays.enter + r), tick = hn::Load(kDoubles, rays.tick + r);
+    const Double now = hn::Add(enter, hn::Mul(tick, all(frame.tick_world)));
+    any = any || !hn::AllFalse(kDoubles, hn::And(hn::Lt(t.in, t.out), hn::Lt(now, t.out)));
+  });
+  return any;
+}
+
+/// A brick's place as floats see it: first = p * scale - shift.
+HWY_INLINE void put_path(const TileRays& rays, const Double (&p)[3], std::size_t r, Double t_step,
+                         const BrickPlace& place, double m, hn::Mask<HalfFloats> taken, std::size_t at,
+                         StretchBatch::Path& path) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const Double direction = hn::Load(kDoubles, rays.direction[axis] + r);
+    const Double first = hn::Mul(hn::Sub(hn::Mul(p[axis], all(place.across)), all(place.corner[axis])), all(m));
+    const Double per_step = hn::Mul(hn::Mul(hn::Mul(direction, t_step), all(place.across)), all(m));
+    hn::CompressStore(to_floats(first), taken, kHalfFloats, path.first[axis] + at);
+    hn::CompressStore(to_floats(per_step), taken, kHalfFloats, path.per_step[axis] + at);
+  }
+}
+
+void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const NodeBox& node,
+                         const TileRect& rect, const StretchesWanted& wanted, TileRays& rays,
+                         StretchBatch& batch, RayList& list) {
+  const double step_stride = static_cast<double>(frame.stride[wanted.step_level]);
+  const Double half = all(0.5), one = all(1), tick_world = all(frame.tick_world);
+  const Double t_step = all(frame.tick_world * step_stride);
   const double m = batch.m;
   const scene::Lighting& lighting = frame.lighting.lighting;
   const bool lit = lighting.enabled, near_lights = lighting.has_points();
+  const bool one_origin = !frame.camera.orthographic;
   // FrameView::share_at is even in t.
-  const double share_first = batch.blended ? frame.share_at(level, 0) : 0;
-  const double share_slope = batch.blended ? frame.share_at(level, 1) - share_first : 0;
-  const auto gather_floats = [](const float* values, hn::Vec<HalfInts> ray)
-                                 HWY_ATTR { return hn::GatherIndex(kHalfFloats, values, ray); };
-  batch.count = list.size;
-  for (std::size_t i = 0; i < list.size; i += hn::Lanes(kDoubles)) {
-    const auto short_ray = hn::Load(kHalfInts, list.ray + i);
-    const Long ray = hn::PromoteTo(kLongs, short_ray);
-    const Double centre = gather(rays.centre, ray);
-    fill_path(rays, ray, centre, t_step, fine, m, i, batch.fine);
-    if (batch.blended) {
-      fill_path(rays, ray, centre, t_step, coarse, m, i, batch.coarse);
-      const Double share = hn::Add(all(share_first), hn::Mul(centre, all(share_slope)));
-      hn::Store(to_floats(share), kHalfFloats, batch.blend + i);
-      hn::Store(to_floats(hn::Mul(t_step, all(share_slope))), kHalfFloats, batch.blend_per_step + i);
+  const double share_first = batch.blended ? frame.share_at(wanted.step_level, 0) : 0;
+  const double share_slope = batch.blended ? frame.share_at(wanted.step_level, 1) - share_first : 0;
+  const Long zone_wanted = hn::Set(kLongs, wanted.zone);
+  std::size_t count = 0;
+  for_vectors(active, rect, [&](std::size_t r) HWY_ATTR {
+    const Interval t = interval_of(frame, rays, node, r);
+    const Mask inside = hn::Lt(t.in, t.out);
+    if (hn::AllFalse(kDoubles, inside)) return;
+    const Double enter = hn::Load(kDoubles, rays.enter + r);
+    Double tick, stride, steps_per_t, zone_end, start;
+    while (true) {
+      tick = hn::Load(kDoubles, rays.tick + r);
+      stride = hn::Load(kDoubles, rays.stride + r);
+      steps_per_t = hn::Load(kDoubles, rays.steps_per_t + r);
+      zone_end = hn::Load(kDoubles, rays.zone_end + r);
+      const Double steps_before = hn::Ceil(hn::Sub(hn::Mul(hn::Sub(t.in, enter), steps_per_t), half));
+      start = hn::Max(tick, hn::Mul(steps_before, stride));
+      const Mask behind_zone = hn::And(inside, hn::Ge(start, zone_end));
+      if (hn::AllFalse(kDoubles, behind_zone)) break;
+      std::uint8_t bits[8] = {};
+      hn::StoreMaskBits(kDoubles, behind_zone, bits);
+      for (unsigned left = bits[0]; left != 0; left &= left - 1) {
+        const std::size_t ray = r + static_cast<std::size_t>(std::countr_zero(left));
+        rays.tick[ray] = rays.zone_end[ray];
+        rays.find_zone(frame, static_cast<std::uint32_t>(ray));
+      }
     }
-    hn::Store(hn::GatherIndex(kHalfInts, rays.steps, short_ray), kHalfInts, batch.steps + i);
-    for (int c = 0; c < 3; ++c) {
-      hn::Store(gather_floats(rays.color[c], short_ray), kHalfFloats, batch.color[c] + i);
+    const Long zone = hn::PromoteTo(kLongs, hn::Load(kHalfInts, rays.zone + r));
+    Mask taken = hn::And(inside, hn::RebindMask(kDoubles, hn::Eq(zone, zone_wanted)));
+    const Double steps_until = hn::Ceil(hn::Sub(hn::Mul(hn::Sub(t.out, enter), steps_per_t), half));
+    Double end = hn::Min(hn::Mul(steps_until, stride), zone_end);
+    taken = hn::And(taken, hn::Lt(start, end));
+    if (hn::AllFalse(kDoubles, taken)) return;
+    const Double to_centre = hn::Mul(hn::Add(start, hn::Mul(half, stride)), tick_world);
+    const Double centre = hn::Add(enter, to_centre);
+    Double steps;
+    if (wanted.coarser) {
+      steps = hn::Max(one, hn::Ceil(hn::Div(hn::Sub(t.out, centre), t_step)));
+    } else {
+      steps = hn::Div(hn::Sub(end, start), stride);
     }
-    hn::Store(gather_floats(rays.opacity, short_ray), kHalfFloats, batch.opacity + i);
-    hn::Store(hn::GatherIndex(kHalfInts, rays.samples, short_ray), kHalfInts, batch.samples + i);
-    if (!lit) continue;
+    steps = hn::IfThenElseZero(taken, steps);
+    end = hn::Add(start, hn::Mul(steps, all(step_stride)));
+    hn::Store(hn::IfThenElse(taken, end, tick), kDoubles, rays.tick + r);
+    hn::Store(start, kDoubles, rays.start + r);
+
+    const auto whole_steps = hn::DemoteTo(kHalfInts, steps);
+    const auto taken_ints = hn::Gt(whole_steps, hn::Zero(kHalfInts));
+    const auto taken_floats = hn::RebindMask(kHalfFloats, taken_ints);
+    const auto put = [&](hn::Vec<HalfFloats> values, float* to)
+                         HWY_ATTR { hn::CompressStore(values, taken_floats, kHalfFloats, to + count); };
+    Double p[3];
     for (int axis = 0; axis < 3; ++axis) {
-      const auto direction = gather_floats(rays.world_direction[axis], short_ray);
-      hn::Store(hn::Neg(direction), kHalfFloats, batch.to_eye[axis] + i);
-      if (!near_lights) continue;
-      const Double way = hn::PromoteTo(kDoubles, direction);
-      const Double place = hn::Add(gather(rays.world_origin[axis], ray), hn::Mul(centre, way));
-      hn::Store(to_floats(place), kHalfFloats, batch.place[axis] + i);
-      hn::Store(to_floats(hn::Mul(way, t_step)), kHalfFloats, batch.place_per_step[axis] + i);
+      const Double origin =
+          one_origin ? all(rays.origin[axis][0]) : hn::Load(kDoubles, rays.origin[axis] + r);
+      p[axis] = hn::Add(origin, hn::Mul(centre, hn::Load(kDoubles, rays.direction[axis] + r)));
     }
-  }
+    put_path(rays, p, r, t_step, wanted.fine, m, taken_floats, count, batch.fine);
+    if (batch.blended) {
+      put_path(rays, p, r, t_step, wanted.coarse, m, taken_floats, count, batch.coarse);
+      put(to_floats(hn::Add(all(share_first), hn::Mul(centre, all(share_slope)))), batch.blend);
+      put(to_floats(hn::Mul(t_step, all(share_slope))), batch.blend_per_step);
+    }
+    for (int c = 0; c < 3; ++c) put(hn::Load(kHalfFloats, rays.color[c] + r), batch.color[c]);
+    put(hn::Load(kHalfFloats, rays.opacity + r), batch.opacity);
+    if (lit) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto direction = hn::Load(kHalfFloats, rays.world_direction[axis] + r);
+        put(hn::Neg(direction), batch.to_eye[axis]);
+        if (!near_lights) continue;
+        const Double way = hn::PromoteTo(kDoubles, direction);
+        const Double place = hn::Add(hn::Load(kDoubles, rays.world_origin[axis] + r), hn::Mul(centre, way));
+        put(to_floats(place), batch.place[axis]);
+        put(to_floats(hn::Mul(way, t_step)), batch.place_per_step[axis]);
+      }
+    }
+    hn::CompressStore(hn::Load(kHalfInts, rays.samples + r), taken_ints, kHalfInts, batch.samples + count);
+    const auto numbers = hn::Iota(kHalfInts, static_cast<std::int32_t>(r));
+    hn::CompressStore(numbers, taken_ints, kHalfInts, list.ray + count);
+    count += hn::CompressStore(whole_steps, taken_ints, kHalfInts, batch.steps + count);
+  });
+  batch.count = list.size = static_cast<std::uint32_t>(count);
 }
 
-void take_back_all(const StretchBatch& batch, const RayList& list, TileRays& rays) {
-  for (std::size_t i = 0; i < list.size; ++i) {
-    const auto ray = static_cast<std::size_t>(list.ray[i]);
-    for (int c = 0; c < 3; ++c) rays.color[c][ray] = batch.color[c][i];
-    rays.opacity[ray] = batch.opacity[i];
-    rays.samples[ray] = batch.samples[i];
+/// A rectangle is this much wider than its node, in rays: rounding must not make it lose one.
+constexpr float kMargin = 0.05f;
+/// A node is too near for its picture to be where its corners' are if one of these is nearer than this many of
+/// its edges.
+constexpr float kNear = 0.01f;
+
+// Of a child its place among its parent's children, x first; those behind the last are made the first again.
+struct ChildPlaces {
+  alignas(64) float of[3][TileProjection::Rects::kMost] = {};
+
+  explicit constexpr ChildPlaces(int n) {
+    for (int child = 0; child < n * n * n; ++child) {
+      of[0][child] = static_cast<float>(child % n);
+      of[1][child] = static_cast<float>(child / n % n);
+      of[2][child] = static_cast<float>(child / (n * n));
+    }
+  }
+};
+constexpr ChildPlaces kPlacesOf2(2), kPlacesOf3(3);
+
+void project_children_of(const TileProjection& to, const Vec3d& low, double edge, int n,
+                         TileProjection::Rects& rects) {
+  const hn::CappedTag<float, 8> floats;
+  const hn::RebindToSigned<decltype(floats)> ints;
+  using Float = hn::Vec<decltype(floats)>;
+  const auto set = [&](double value) HWY_ATTR { return hn::Set(floats, static_cast<float>(value)); };
+  constexpr auto kLast = static_cast<float>(TileRays::kEdge - 1);
+  const ChildPlaces& places = n == 2 ? kPlacesOf2 : kPlacesOf3;
+  const Vec3d ways[3] = {edge * to.across, edge * to.down, edge * to.ahead};
+  const Vec3d rows[3] = {to.across, to.down, to.ahead};
+  // In doubles: near the eye these cancel.
+  double first[3];
+  for (int k = 0; k < 3; ++k) first[k] = to.eye[k] + dot(rows[k], low);
+  const double nearest =
+      kNear * (std::fabs(ways[2].x) + std::fabs(ways[2].y) + std::fabs(ways[2].z));
+  const Float shift_x = set(to.first_x), shift_y = set(to.first_y);
+  for (std::size_t child = 0; child < static_cast<std::size_t>(n * n * n); child += hn::Lanes(floats)) {
+    Float base[3];
+    for (int k = 0; k < 3; ++k) {
+      base[k] = set(first[k]);
+      for (int axis = 0; axis < 3; ++axis) {
+        base[k] = hn::MulAdd(hn::Load(floats, places.of[axis] + child), set(ways[k][axis]), base[k]);
+      }
+    }
+    Float least_x = set(1e30), most_x = set(-1e30), least_y = least_x, most_y = most_x;
+    Float least_z = least_x, most_z = most_x;
+    for (int corner = 0; corner < 8; ++corner) {
+      Float q[3];
+      for (int k = 0; k < 3; ++k) {
+        const double way = (corner & 1 ? ways[k].x : 0) + (corner & 2 ? ways[k].y : 0) +
+                           (corner & 4 ? ways[k].z : 0);
+        q[k] = hn::Add(base[k], set(way));
+      }
+      least_z = hn::Min(least_z, q[2]);
+      most_z = hn::Max(most_z, q[2]);
+      if (!to.orthographic) {
+        const Float share = hn::Div(set(1), q[2]);
+        q[0] = hn::Mul(q[0], share);
+        q[1] = hn::Mul(q[1], share);
+      }
+      least_x = hn::Min(least_x, q[0]);
+      most_x = hn::Max(most_x, q[0]);
+      least_y = hn::Min(least_y, q[1]);
+      most_y = hn::Max(most_y, q[1]);
+    }
+    auto all_rays = hn::Lt(least_z, set(nearest)), none = hn::Le(most_z, hn::Zero(floats));
+    if (to.orthographic) all_rays = none = hn::Lt(set(1), hn::Zero(floats));
+    const auto put = [&](Float least, Float most, Float shift, std::int32_t* from, std::int32_t* until)
+                         HWY_ATTR {
+      const Float begin = hn::Ceil(hn::Add(least, hn::Sub(shift, hn::Set(floats, kMargin))));
+      const Float end = hn::Floor(hn::Add(most, hn::Add(shift, hn::Set(floats, kMargin))));
+      Float first_ray = hn::IfThenElseZero(hn::Not(all_rays), hn::Max(begin, hn::Zero(floats)));
+      first_ray = hn::Min(first_ray, hn::Set(floats, kLast + 1));
+      Float last_ray = hn::IfThenElse(all_rays, hn::Set(floats, kLast), hn::Min(end, hn::Set(floats, kLast)));
+      last_ray = hn::IfThenElse(none, set(-1), hn::Max(last_ray, set(-1)));
+      hn::Store(hn::ConvertTo(ints, first_ray), ints, from + child);
+      hn::Store(hn::ConvertTo(ints, last_ray), ints, until + child);
+    };
+    put(least_x, most_x, shift_x, rects.x0, rects.x1);
+    put(least_y, most_y, shift_y, rects.y0, rects.y1);
   }
 }
 
@@ -275,46 +357,72 @@ HWY_AFTER_NAMESPACE();
 namespace gvx::render {
 
 HWY_EXPORT(set_up_all);
-HWY_EXPORT(find_cells_of);
-HWY_EXPORT(leave_nodes_of);
-HWY_EXPORT(fill_batch_of);
-HWY_EXPORT(take_back_all);
+HWY_EXPORT(any_inside_of);
+HWY_EXPORT(gather_stretches_of);
+HWY_EXPORT(project_children_of);
 
-namespace {
-
-/// Vectors are read whole: what lies behind the last ray is made the last one again.
-template <typename T>
-void repeat_last(T* values, std::uint32_t size) {
-  for (std::uint32_t i = size; i % (64 / sizeof(double)) != 0; ++i) values[i] = values[size - 1];
+void TileRays::find_zone(const FrameView& frame, std::uint32_t ray) {
+  const FrameView::Zone found = frame.zone_at(enter[ray], static_cast<std::int64_t>(tick[ray]));
+  zone[ray] = zone_number(found.level, found.blended);
+  stride[ray] = static_cast<double>(frame.stride[found.level]);
+  steps_per_t[ray] = 1 / (stride[ray] * frame.tick_world);
+  zone_end[ray] = found.end == INT64_MAX ? kNever : static_cast<double>(found.end);
 }
 
-}  // namespace
+TileProjection::TileProjection(const FrameView& frame, double apart)
+    : orthographic(frame.camera.orthographic),
+      apart_(apart),
+      half_width_(frame.camera.half_width),
+      half_height_(frame.camera.half_height),
+      tree_to_world_(inverse(frame.world_to_tree)),
+      eye_world_(frame.camera.eye) {
+  const Vec3d(&edge)[3] = tree_to_world_.column;
+  for (const double y : {-1.0, 1.0}) {
+    for (const double z : {-1.0, 1.0}) {
+      diagonal_world_ = std::fmax(diagonal_world_, length(edge[0] + y * edge[1] + z * edge[2]));
+    }
+  }
+  const scene::CameraView& camera = frame.camera;
+  // Of a perspective only ratios matter: whatever the world's unit, floats must hold them.
+  const double unit = orthographic ? 1 : 1 / diagonal_world_;
+  const double rays = unit / (camera.pixel * apart);
+  const Vec3d from_eye = tree_to_world_.origin - camera.eye;
+  across = rays * tree_to_world_.transposed_vector(camera.right);
+  down = -rays * tree_to_world_.transposed_vector(camera.up);
+  ahead = unit * tree_to_world_.transposed_vector(camera.forward);
+  eye = {rays * dot(camera.right, from_eye), -rays * dot(camera.up, from_eye),
+         unit * dot(camera.forward, from_eye)};
+}
+
+void TileProjection::begin_tile(double x, double y) {
+  first_x = (half_width_ - 0.5 - x) / apart_;
+  first_y = (half_height_ - 0.5 - y) / apart_;
+}
+
+TileProjection::Distances TileProjection::distances(const NodeBox& node) const {
+  const Vec3d centre = tree_to_world_.point(0.5 * (node.low + node.high));
+  const double distance = length(centre - eye_world_);
+  const double radius = 0.5 * diagonal_world_ * (node.high.x - node.low.x);
+  return {distance - radius, distance + radius};
+}
+
+void TileProjection::project_children(Vec3d low, double edge, int n, Rects& rects) const {
+  HWY_DYNAMIC_DISPATCH(project_children_of)(*this, low, edge, n, rects);
+}
 
 void set_up(const FrameView& frame, double x0, double y0, double apart, std::uint32_t rows, TileRays& rays) {
   HWY_DYNAMIC_DISPATCH(set_up_all)(frame, x0, y0, apart, rows, rays);
 }
 
-void find_cells(const FrameView& frame, const TileRays& rays, RayList& list, RaySteps& steps) {
-  repeat_last(list.ray, list.size);
-  HWY_DYNAMIC_DISPATCH(find_cells_of)(frame, rays, list, steps);
+bool any_inside(const FrameView& frame, const TileRays& rays, const ActiveRays& active, const NodeBox& node,
+                const TileRect& rect) {
+  return HWY_DYNAMIC_DISPATCH(any_inside_of)(frame, rays, active, node, rect);
 }
 
-void leave_nodes(const FrameView& frame, const NodeFaces& nodes, RayList& list, RaySteps& steps,
-                 TileRays& rays) {
-  repeat_last(list.ray, list.size);
-  repeat_last(steps.node, list.size);
-  repeat_last(steps.centre, list.size);
-  HWY_DYNAMIC_DISPATCH(leave_nodes_of)(frame, nodes, list, steps, rays);
-}
-
-void fill_batch(const FrameView& frame, const TileRays& rays, RayList& list, int level,
-                const BrickPlace& fine, const BrickPlace& coarse, StretchBatch& batch) {
-  repeat_last(list.ray, list.size);
-  HWY_DYNAMIC_DISPATCH(fill_batch_of)(frame, rays, list, level, fine, coarse, batch);
-}
-
-void take_back(const StretchBatch& batch, const RayList& list, TileRays& rays) {
-  HWY_DYNAMIC_DISPATCH(take_back_all)(batch, list, rays);
+void gather_stretches(const FrameView& frame, const ActiveRays& active, const NodeBox& node,
+                      const TileRect& rect, const StretchesWanted& wanted, TileRays& rays,
+                      StretchBatch& batch, RayList& list) {
+  HWY_DYNAMIC_DISPATCH(gather_stretches_of)(frame, active, node, rect, wanted, rays, batch, list);
 }
 
 }  // namespace gvx::render

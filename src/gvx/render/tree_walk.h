@@ -143,16 +143,21 @@ class TreeWalk {
     if (place.lacks_coarse) view_.requests.request(place.parent, cache::kNeedsBrick, priority);
   }
 
-  /// For previews: replaces a lack by the finest resident ancestor's brick, and asks for the node's own brick
-  /// on the way down.
-  GVX_HD void fall_back(Place& place) const {
-    if (place.lack == 0) return;
-    const bool has_own = view_.nodes.content[place.node.value].kind() == tree::ContentKind::brick;
-    if (!has_own) view_.requests.request(place.node, place.lack | cache::kNeedsBrick, 1.0f);
+  /// For previews: what stands in for a place that lacks its brick, the finest resident ancestor's.
+  GVX_HD Place stand_in(const Place& lacking) const {
+    Place place = lacking;
     place.kind = place.ancestor_level >= 0 ? Place::brick : Place::nothing;
     place.slot = place.ancestor_slot;
     place.brick_level = place.ancestor_level;
     place.blended = false;
+    return place;
+  }
+
+  /// For previews: asks for the brick of a node on the way down to what is missing.
+  GVX_HD void ask_for_own(const Place& place) const {
+    if (place.lack == 0) return;
+    const bool has_own = view_.nodes.content[place.node.value].kind() == tree::ContentKind::brick;
+    if (!has_own) view_.requests.request(place.node, place.lack | cache::kNeedsBrick, 1.0f);
   }
 
   /// Keeps the bricks of a place that is about to be sampled.
