@@ -5,6 +5,7 @@
 //     gvx_bench_limits STORE.gvx [SIZE [FRAMES]]
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -53,23 +54,24 @@ double roof(const render::FrameView& frame, ValueRange range, std::uint32_t m) {
   batch->fine.brick = brick.data();
   batch->fine.gradient_scale = 1;
   batch->count = render::StretchBatch::kMost;
-  const std::int32_t steps = static_cast<std::int32_t>(2 * m);
+  constexpr std::uint32_t kEdge = exec::TileGrid::kTile;
+  constexpr std::uint32_t kRays = render::StretchBatch::kMost;
+  std::vector<float> to_eye(4 * kRays), gathered(4 * kRays);
+  std::vector<std::int32_t> samples_of(kRays);
+  batch->to_eye = reinterpret_cast<float(*)[4]>(to_eye.data());
+  batch->gathered = reinterpret_cast<float(*)[4]>(gathered.data());
+  batch->samples = samples_of.data();
   std::vector<double> rates;
   for (int repeat = 0; repeat < 40; ++repeat) {
-    for (std::uint32_t i = 0; i < batch->count; ++i) {
-      const float x = float(i % 16) / 16, y = float(i / 16) / 16;
-      const float first[3] = {x * float(m), y * float(m), 0.25f}, per_step[3] = {0, 0, 0.5f};
-      for (int axis = 0; axis < 3; ++axis) {
-        batch->fine.first[axis][i] = first[axis];
-        batch->fine.per_step[axis][i] = per_step[axis];
-        batch->color[axis][i] = 0;
-        batch->to_eye[axis][i] = axis == 2 ? -1.0f : 0.0f;
-        batch->place[axis][i] = batch->place_per_step[axis][i] = 0;
-      }
-      batch->opacity[i] = 0;
-      batch->samples[i] = 0;
-      batch->steps[i] = steps;
+    for (std::uint32_t i = 0; i < kRays; ++i) {
+      const float x = float(i % kEdge) / kEdge, y = float(i / kEdge) / kEdge;
+      const float row[8] = {x * float(m), y * float(m), 0.25f, float(2 * m), 0, 0, 0.5f, std::bit_cast<float>(i)};
+      std::copy_n(row, 8, batch->fine.row[i]);
+      to_eye[4 * i + 2] = -1;
+      batch->order[i] = static_cast<std::int32_t>(i);
     }
+    std::fill(gathered.begin(), gathered.end(), 0.0f);
+    std::fill(samples_of.begin(), samples_of.end(), 0);
     const auto start = std::chrono::steady_clock::now();
     render::composite_batch(frame, *batch);
     const double seconds = seconds_since(start);

@@ -35,23 +35,18 @@ class Composite {
       : frame_(frame),
         batch_(batch),
         function_(frame.visibility.functions[0]),
-        lane_(lane),
+        lanes_(batch, lane),
         edge_(static_cast<int>(batch.m)),
-        fine_first_(load(batch.fine.first, lane)),
-        fine_per_step_(load(batch.fine.per_step, lane)),
-        color_(load(batch.color, lane)),
-        opacity_(hn::Load(kFloats, batch.opacity + lane)) {
-    if constexpr (!kPlain) {
-      blend_ = hn::Load(kFloats, batch.blend + lane);
-      blend_per_step_ = hn::Load(kFloats, batch.blend_per_step + lane);
-    }
+        fine_(lanes_.fine(batch)),
+        coarse_(!kPlain && batch.blended ? lanes_.coarse(batch) : fine_),
+        to_eye_(frame.lighting.lighting.enabled ? lanes_.to_eye(batch) : fine_.first) {
+    lanes_.load(batch, color_, opacity_);
+    if (frame.lighting.lighting.enabled) halfways_.find(frame.lighting, to_eye_);
   }
 
   HWY_INLINE void run() {
-    const Int left = all_ints(static_cast<std::int32_t>(batch_.count - lane_));
-    const Int steps =
-        hn::IfThenElseZero(hn::Lt(hn::Iota(kInts, 0), left), hn::Load(kInts, batch_.steps + lane_));
-    Int samples = hn::Load(kInts, batch_.samples + lane_);
+    const Int steps = hn::ConvertTo(kInts, lanes_.steps(fine_));
+    Int samples = hn::Zero(kInts);
     const auto of_ints = [](Int mask) HWY_ATTR { return hn::Gt(mask, hn::Zero(kInts)); };
     samples = hn::Sub(samples, hn::VecFromMask(kInts, of_ints(steps)));
     Mask active = hn::And(hn::RebindMask(kFloats, of_ints(steps)), going());
@@ -98,11 +93,7 @@ class Composite {
       active = hn::And(hn::And(active, going()), hn::RebindMask(kFloats, hn::Lt(step, steps)));
       found = no_lanes();
     }
-    hn::Store(samples, kInts, batch_.samples + lane_);
-    hn::Store(color_.x, kFloats, batch_.color[0] + lane_);
-    hn::Store(color_.y, kFloats, batch_.color[1] + lane_);
-    hn::Store(color_.z, kFloats, batch_.color[2] + lane_);
-    hn::Store(opacity_, kFloats, batch_.opacity + lane_);
+    lanes_.store(batch_, color_, opacity_, samples);
   }
 
  private:
@@ -121,7 +112,7 @@ class Composite {
   static constexpr float kBelow = -1e30f;
   HWY_INLINE static Place below() { return {all(kBelow), hn::Zero(kFloats)}; }
   HWY_INLINE Mask may_be_seen(Float i) const {
-    return in_visible_cell(batch_.cells, edge_, along(fine_first_, fine_per_step_, i));
+    return in_visible_cell(batch_.cells, edge_, fine_.at(i));
   }
 
   /// Span.
@@ -141,19 +132,16 @@ class Composite {
   HWY_INLINE const std::uint8_t* deviations(const StretchBatch::Path& path) const {
     return reinterpret_cast<const std::uint8_t*>(texels(path) + plane_texels(batch_.m));
   }
-  HWY_INLINE Vec3v coarse_at(Float i) const {
-    return along(load(batch_.coarse.first, lane_), load(batch_.coarse.per_step, lane_), i);
-  }
   HWY_INLINE Float blend_at(Float i) const {
-    return hn::Min(hn::Max(hn::MulAdd(i, blend_per_step_, blend_), hn::Zero(kFloats)), all(1));
+    return hn::Min(hn::Max(hn::MulAdd(i, coarse_.eighth, coarse_.fourth), hn::Zero(kFloats)), all(1));
   }
 
   GVX_PIECE Place at(Float i) const {
-    const Vec3v p = along(fine_first_, fine_per_step_, i);
+    const Vec3v p = fine_.at(i);
     const PlainTexels<Voxel> plain(batch_.fine.brick);
     Float value;
     if constexpr (kPlain && std::is_same_v<Voxel, std::uint8_t>) {
-      value = batch_.paired ? sample(PairedRows{batch_.row_pairs}, edge_, p) : sample(plain, edge_, p);
+      value = batch_.has_quads ? sample(QuadTexels{batch_.quads}, edge_, p) : sample(plain, edge_, p);
     } else {
       value = sample(plain, edge_, p);
     }
@@ -162,7 +150,7 @@ class Composite {
     if constexpr (!kPlain) {
       if (batch_.fine.deviates) place.deviation = deviation(deviations(batch_.fine), edge_, p);
       if (batch_.blended) {
-        const Vec3v q = coarse_at(i);
+        const Vec3v q = coarse_.at(i);
         const Float blend = blend_at(i);
         value = mix(value, sample(PlainTexels<Voxel>(batch_.coarse.brick), edge_, q), blend);
         place.deviation = mix(place.deviation, deviation(deviations(batch_.coarse), edge_, q), blend);
@@ -323,12 +311,12 @@ class Composite {
 
   /// Stretch::held_in_voxel.
   HWY_INLINE Float held_in_voxel(Float centre, Float i) const {
-    const Vec3v from = along(fine_first_, fine_per_step_, centre);
+    const Vec3v from = fine_.at(centre);
     const Float way = hn::Sub(i, centre);
     Float share = all(1);
-    share = hn::Min(share, share_to_face(from.x, hn::Mul(way, fine_per_step_.x)));
-    share = hn::Min(share, share_to_face(from.y, hn::Mul(way, fine_per_step_.y)));
-    share = hn::Min(share, share_to_face(from.z, hn::Mul(way, fine_per_step_.z)));
+    share = hn::Min(share, share_to_face(from.x, hn::Mul(way, fine_.per_step.x)));
+    share = hn::Min(share, share_to_face(from.y, hn::Mul(way, fine_.per_step.y)));
+    share = hn::Min(share, share_to_face(from.z, hn::Mul(way, fine_.per_step.z)));
     return hn::MulAdd(share, way, centre);
   }
   HWY_INLINE static Float share_to_face(Float from, Float way) {
@@ -341,28 +329,29 @@ class Composite {
 
   /// RayView::shade at place i.
   GVX_PIECE Shade shade_at(Float i) const {
-    Vec3v g = gradient(texels(batch_.fine), edge_, along(fine_first_, fine_per_step_, i));
+    Vec3v g = gradient(texels(batch_.fine), edge_, fine_.at(i));
     Float scale = all(batch_.fine.gradient_scale);
     if constexpr (!kPlain) {
       if (batch_.blended) {
         const Float blend = blend_at(i);
-        const Vec3v coarse = gradient(texels(batch_.coarse), edge_, coarse_at(i));
+        const Vec3v coarse = gradient(texels(batch_.coarse), edge_, coarse_.at(i));
         g = {mix(g.x, coarse.x, blend), mix(g.y, coarse.y, blend), mix(g.z, coarse.z, blend)};
         scale = mix(scale, all(batch_.coarse.gradient_scale), blend);
       }
     }
     return shade(
-        frame_, scaled(all(1 / frame_.soft_gradient[0]), g), scale, load(batch_.to_eye, lane_),
-        [&]() HWY_ATTR { return along(load(batch_.place, lane_), load(batch_.place_per_step, lane_), i); });
+        frame_, scaled(all(1 / frame_.soft_gradient[0]), g), scale, to_eye_, halfways_,
+        [&]() HWY_ATTR { return lanes_.places(batch_).at(i); });
   }
 
   const FrameView& frame_;
   StretchBatch& batch_;
   const Function function_;
-  const std::size_t lane_;
+  const BatchLanes lanes_;
   const int edge_;
-  const Vec3v fine_first_, fine_per_step_;
-  Float blend_, blend_per_step_;
+  const PathRows fine_, coarse_;
+  const Vec3v to_eye_;
+  Halfways halfways_;
   Vec3v color_;
   Float opacity_;
 };
@@ -370,8 +359,9 @@ class Composite {
 template <typename Voxel>
 void composite_all(const FrameView& frame, StretchBatch& batch) {
   const bool plain = !batch.blended && !batch.fine.deviates;
-  batch.paired = false;
-  if constexpr (std::is_same_v<Voxel, std::uint8_t>) batch.paired = plain && pairs_rows(batch);
+  batch.has_quads = false;
+  batch.opaque_count = 0;
+  if constexpr (std::is_same_v<Voxel, std::uint8_t>) batch.has_quads = plain && makes_quads(batch);
   for (std::size_t lane = 0; lane < batch.count; lane += hn::Lanes(kFloats)) {
     if (plain) {
       Composite<Voxel, true>(frame, batch, lane).run();

@@ -45,7 +45,7 @@ class Film {
   /// Of width x height rays.
   Film(const exec::Device& device, std::uint32_t width, std::uint32_t height);
 
-  exec::TileGrid grid() const { return {width_, height_, 16}; }
+  exec::TileGrid grid() const { return {width_, height_}; }
   exec::BufferView<RayState> rays() { return rays_.view(); }
   exec::BufferView<PreviewPixel> preview() { return preview_.view(); }
 

@@ -26,137 +26,184 @@ struct Sample {
   Vec3v gradient;
 };
 
-template <typename Texels>
-HWY_INLINE Sample cell_sample(const Texels& texels, int edge, const Vec3v& p, bool with_gradient) {
-  const int row = edge + 2, slice = row * row;
-  const TexelAxis x(p.x, edge), y(p.y, edge), z(p.z, edge);
-  const Int index = hn::Add(x.low, hn::Add(hn::Mul(y.low, all_ints(row)), hn::Mul(z.low, all_ints(slice))));
-  const Corners at = texels.read(index, row, slice);
-  const auto& c = at.corner;
-  const Float r00 = hn::Sub(c[1], c[0]), r10 = hn::Sub(c[3], c[2]);
-  const Float r01 = hn::Sub(c[5], c[4]), r11 = hn::Sub(c[7], c[6]);
-  const Float c00 = hn::MulAdd(x.weight, r00, c[0]), c10 = hn::MulAdd(x.weight, r10, c[2]);
-  const Float c01 = hn::MulAdd(x.weight, r01, c[4]), c11 = hn::MulAdd(x.weight, r11, c[6]);
-  const Float y0 = hn::Sub(c10, c00), y1 = hn::Sub(c11, c01);
-  const Float c0 = hn::MulAdd(y.weight, y0, c00), c1 = hn::MulAdd(y.weight, y1, c01);
-  const Float z0 = hn::Sub(c1, c0);
-  Sample sample;
-  sample.value = hn::MulAdd(z.weight, z0, c0);
-  if (with_gradient) {
-    sample.gradient = {mix(mix(r00, r10, y.weight), mix(r01, r11, y.weight), z.weight), mix(y0, y1, z.weight),
-                       z0};
+/// Of several vectors of places at once. Each thing is done for all before the next: what one waits for, the
+/// others fill.
+template <typename Texels, int kVectors>
+HWY_INLINE void cell_samples(const Texels& texels, int edge, const Vec3v (&p)[kVectors], bool with_gradient,
+                             Sample (&samples)[kVectors]) {
+  Int index[kVectors];
+  Vec3v weight[kVectors];
+  for (int k = 0; k < kVectors; ++k) {
+    const TexelPlace place(p[k], edge);
+    index[k] = place.index;
+    weight[k] = place.weight;
   }
-  return sample;
+  typename Texels::Raw raw[kVectors];
+  for (int k = 0; k < kVectors; ++k) raw[k] = texels.load(index[k], edge + 2, (edge + 2) * (edge + 2));
+  for (int k = 0; k < kVectors; ++k) {
+    const Corners at = Texels::corners(raw[k]);
+    const auto& c = at.corner;
+    const Vec3v& w = weight[k];
+    const Float r00 = hn::Sub(c[1], c[0]), r10 = hn::Sub(c[3], c[2]);
+    const Float r01 = hn::Sub(c[5], c[4]), r11 = hn::Sub(c[7], c[6]);
+    const Float c00 = hn::MulAdd(w.x, r00, c[0]), c10 = hn::MulAdd(w.x, r10, c[2]);
+    const Float c01 = hn::MulAdd(w.x, r01, c[4]), c11 = hn::MulAdd(w.x, r11, c[6]);
+    const Float y0 = hn::Sub(c10, c00), y1 = hn::Sub(c11, c01);
+    const Float c0 = hn::MulAdd(w.y, y0, c00), c1 = hn::MulAdd(w.y, y1, c01);
+    const Float z0 = hn::Sub(c1, c0);
+    samples[k].value = hn::MulAdd(w.z, z0, c0);
+    if (with_gradient) {
+      samples[k].gradient = {mix(mix(r00, r10, w.y), mix(r01, r11, w.y), w.z), mix(y0, y1, w.z), z0};
+    }
+  }
 }
 
-/// The rays of a vector, and what they go through. kPlain: one brick; else two that are blended.
-template <typename Texels, bool kPlain>
+template <int kVectors>
+HWY_INLINE bool none_of(const Mask (&mask)[kVectors]) {
+  Mask any = mask[0];
+  for (int k = 1; k < kVectors; ++k) any = hn::Or(any, mask[k]);
+  return none(any);
+}
+
+/// The rays of so many vectors, and what they go through. kPlain: one brick; else two that are blended.
+template <typename Texels, bool kPlain, int kVectors>
 class Post {
  public:
-  HWY_INLINE Post(const FrameView& frame, StretchBatch& batch, std::size_t lane, const Texels& fine,
-                  const Texels& coarse)
+  HWY_INLINE Post(const FrameView& frame, StretchBatch& batch, const BatchLanes (&lanes)[kVectors],
+                  const Texels& fine, const Texels& coarse)
       : frame_(frame),
         batch_(batch),
+        lanes_(lanes),
         function_(frame.visibility.functions[0]),
-        lane_(lane),
         edge_(static_cast<int>(batch.m)),
         fine_(fine),
         coarse_(coarse) {}
 
   HWY_INLINE void run() {
-    const FrameView& frame = frame_;
-    const Int left = all_ints(static_cast<std::int32_t>(batch_.count - lane_));
-    const Int steps =
-        hn::IfThenElseZero(hn::Lt(hn::Iota(kInts, 0), left), hn::Load(kInts, batch_.steps + lane_));
-    const auto most = static_cast<std::int32_t>(hn::GetLane(hn::MaxOfLanes(kInts, steps)));
-    const Vec3v first = load(batch_.fine.first, lane_), per_step = load(batch_.fine.per_step, lane_);
-    const bool lit = frame.lighting.lighting.enabled;
+    const bool lit = frame_.lighting.lighting.enabled, all_cells = batch_.cells == ~std::uint64_t(0);
+    const Float opaque = all(kOpaque), one = all(1);
     const std::byte* table = reinterpret_cast<const std::byte*>(
-        frame.step_colors + std::size_t(batch_.level) * scene::TransferView::kEntries);
-    const bool all_cells = batch_.cells == ~std::uint64_t(0);
-    const Float end = hn::ConvertTo(kFloats, steps), opaque = all(kOpaque), one = all(1);
-    Int samples = hn::Load(kInts, batch_.samples + lane_);
-    Vec3v color = load(batch_.color, lane_);
-    Float opacity = hn::Load(kFloats, batch_.opacity + lane_);
-    for (std::int32_t step = 0; step < most; ++step) {
-      const Float i = all(static_cast<float>(step));
-      Mask active = hn::And(hn::Lt(i, end), hn::Lt(opacity, opaque));
-      if (none(active)) break;
-      const Vec3v p = along(first, per_step, i);
-      if (!all_cells) {
-        active = hn::And(active, in_visible_cell(batch_.cells, edge_, p));
-        if (none(active)) continue;
-      }
-      samples = hn::Sub(samples, hn::VecFromMask(kInts, hn::RebindMask(kInts, active)));
-      Sample sample = cell_sample(fine_, edge_, p, lit);
-      Float blend;
-      if constexpr (!kPlain) {
-        blend = hn::MulAdd(i, hn::Load(kFloats, batch_.blend_per_step + lane_),
-                           hn::Load(kFloats, batch_.blend + lane_));
-        blend = hn::Min(hn::Max(blend, hn::Zero(kFloats)), one);
-        const Vec3v q = along(load(batch_.coarse.first, lane_), load(batch_.coarse.per_step, lane_), i);
-        const Sample coarse = cell_sample(coarse_, edge_, q, lit);
-        sample.value = mix(sample.value, coarse.value, blend);
-        if (lit) {
-          sample.gradient = {mix(sample.gradient.x, coarse.gradient.x, blend),
-                             mix(sample.gradient.y, coarse.gradient.y, blend),
-                             mix(sample.gradient.z, coarse.gradient.z, blend)};
-        }
-      }
-      const Float entry = function_.entry_of(sample.value);
-      const Mask seen = hn::AndNot(function_.invisible(entry, entry), active);
-      if (none(seen)) continue;
-      alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
-      static_assert(sizeof(StepColor) == 16);
-      hn::Store(hn::ShiftLeft<4>(function_.nearest(entry)), kInts, offsets);
-      Int bits[4];
-      load_rows(table, offsets, bits);
-      const auto number = [&](int k) HWY_ATTR { return hn::BitCast(kFloats, bits[k]); };
-      const Float weight = hn::IfThenElseZero(seen, hn::Mul(hn::Sub(one, opacity), number(3)));
-      if (lit) {
-        const Shade light = shade_at(i, sample, kPlain ? hn::Zero(kFloats) : blend);
-        const auto gather_color = [&](Float sum, Float color_of, Float body, Float glint) HWY_ATTR {
-          return hn::IfThenElse(seen, hn::MulAdd(weight, hn::MulAdd(color_of, body, glint), sum), sum);
-        };
-        color.x = gather_color(color.x, number(0), light.body.x, light.glint.x);
-        color.y = gather_color(color.y, number(1), light.body.y, light.glint.y);
-        color.z = gather_color(color.z, number(2), light.body.z, light.glint.z);
-      } else {
-        color.x = hn::MulAdd(weight, number(0), color.x);
-        color.y = hn::MulAdd(weight, number(1), color.y);
-        color.z = hn::MulAdd(weight, number(2), color.z);
-      }
-      opacity = hn::Add(opacity, weight);
+        frame_.step_colors + std::size_t(batch_.level) * scene::TransferView::kEntries);
+    PathRows path[kVectors];
+    Float end[kVectors], opacity[kVectors], most = hn::Zero(kFloats);
+    Int samples[kVectors];
+    Vec3v color[kVectors], to_eye[kVectors];
+    Halfways halfways[kVectors];
+    for (int k = 0; k < kVectors; ++k) {
+      path[k] = lanes_[k].fine(batch_);
+      end[k] = lanes_[k].steps(path[k]);
+      most = hn::Max(most, end[k]);
+      samples[k] = hn::Zero(kInts);
+      lanes_[k].load(batch_, color[k], opacity[k]);
+      to_eye[k] = lit ? lanes_[k].to_eye(batch_) : path[k].first;
+      if (lit) halfways[k].find(frame_.lighting, to_eye[k]);
     }
-    hn::Store(samples, kInts, batch_.samples + lane_);
-    hn::Store(color.x, kFloats, batch_.color[0] + lane_);
-    hn::Store(color.y, kFloats, batch_.color[1] + lane_);
-    hn::Store(color.z, kFloats, batch_.color[2] + lane_);
-    hn::Store(opacity, kFloats, batch_.opacity + lane_);
+    const float last = hn::GetLane(hn::MaxOfLanes(kFloats, most));
+    for (float step = 0; step < last; step += 1) {
+      const Float i = all(step);
+      Mask active[kVectors];
+      for (int k = 0; k < kVectors; ++k) active[k] = hn::And(hn::Lt(i, end[k]), hn::Lt(opacity[k], opaque));
+      if (none_of(active)) break;
+      Vec3v p[kVectors];
+      for (int k = 0; k < kVectors; ++k) p[k] = path[k].at(i);
+      if (!all_cells) {
+        for (int k = 0; k < kVectors; ++k) {
+          active[k] = hn::And(active[k], in_visible_cell(batch_.cells, edge_, p[k]));
+        }
+        if (none_of(active)) continue;
+      }
+      Sample sample[kVectors];
+      Float blend[kVectors];
+      cell_samples(fine_, edge_, p, lit, sample);
+      if constexpr (!kPlain) blend_in_coarse(i, lit, blend, sample);
+      Float entry[kVectors];
+      Mask seen[kVectors];
+      for (int k = 0; k < kVectors; ++k) {
+        samples[k] = hn::Sub(samples[k], hn::VecFromMask(kInts, hn::RebindMask(kInts, active[k])));
+        entry[k] = function_.entry_of(sample[k].value);
+        seen[k] = hn::AndNot(function_.invisible(entry[k], entry[k]), active[k]);
+      }
+      if (none_of(seen)) continue;
+      Int bits[kVectors][4];
+      for (int k = 0; k < kVectors; ++k) {
+        static_assert(sizeof(StepColor) == 16);
+        alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
+        store_offsets(hn::ShiftLeft<4>(function_.nearest(entry[k])), offsets);
+        load_rows(table, offsets, bits[k]);
+      }
+      for (int k = 0; k < kVectors; ++k) {
+        const Vec3v step_color = PathRows::vec3(bits[k]);
+        const Float step_opacity = hn::BitCast(kFloats, bits[k][3]);
+        const Float weight = hn::IfThenElseZero(seen[k], hn::Mul(hn::Sub(one, opacity[k]), step_opacity));
+        if (lit) {
+          const Shade light = shade_at(i, sample[k], blend[k], lanes_[k], to_eye[k], halfways[k]);
+          const auto gather_color = [&](Float sum, Float color_of, Float body, Float glint) HWY_ATTR {
+            return hn::IfThenElse(seen[k], hn::MulAdd(weight, hn::MulAdd(color_of, body, glint), sum), sum);
+          };
+          color[k].x = gather_color(color[k].x, step_color.x, light.body.x, light.glint.x);
+          color[k].y = gather_color(color[k].y, step_color.y, light.body.y, light.glint.y);
+          color[k].z = gather_color(color[k].z, step_color.z, light.body.z, light.glint.z);
+        } else {
+          color[k].x = hn::MulAdd(weight, step_color.x, color[k].x);
+          color[k].y = hn::MulAdd(weight, step_color.y, color[k].y);
+          color[k].z = hn::MulAdd(weight, step_color.z, color[k].z);
+        }
+        opacity[k] = hn::Add(opacity[k], weight);
+      }
+    }
+    for (int k = 0; k < kVectors; ++k) lanes_[k].store(batch_, color[k], opacity[k], samples[k]);
   }
 
  private:
-  HWY_INLINE Shade shade_at(Float i, const Sample& sample, Float blend) const {
+  HWY_INLINE void blend_in_coarse(Float i, bool lit, Float (&blend)[kVectors],
+                                  Sample (&sample)[kVectors]) const {
+    Vec3v p[kVectors];
+    for (int k = 0; k < kVectors; ++k) {
+      const PathRows path = lanes_[k].coarse(batch_);
+      blend[k] = hn::MulAdd(i, path.eighth, path.fourth);
+      blend[k] = hn::Min(hn::Max(blend[k], hn::Zero(kFloats)), all(1));
+      p[k] = path.at(i);
+    }
+    Sample coarse[kVectors];
+    cell_samples(coarse_, edge_, p, lit, coarse);
+    for (int k = 0; k < kVectors; ++k) {
+      sample[k].value = mix(sample[k].value, coarse[k].value, blend[k]);
+      if (!lit) continue;
+      sample[k].gradient = {mix(sample[k].gradient.x, coarse[k].gradient.x, blend[k]),
+                            mix(sample[k].gradient.y, coarse[k].gradient.y, blend[k]),
+                            mix(sample[k].gradient.z, coarse[k].gradient.z, blend[k])};
+    }
+  }
+
+  HWY_INLINE Shade shade_at(Float i, const Sample& sample, Float blend, const BatchLanes& lanes,
+                            const Vec3v& to_eye, const Halfways& halfways) const {
     Float scale = all(batch_.fine.gradient_scale);
     if constexpr (!kPlain) scale = mix(scale, all(batch_.coarse.gradient_scale), blend);
     const Vec3v relative = scaled(all(1 / frame_.soft_gradient[0]), sample.gradient);
-    return shade(frame_, relative, scale, load(batch_.to_eye, lane_), [&]() HWY_ATTR {
-      return along(load(batch_.place, lane_), load(batch_.place_per_step, lane_), i);
-    });
+    return shade(frame_, relative, scale, to_eye, halfways,
+                 [&]() HWY_ATTR { return lanes.places(batch_).at(i); });
   }
 
   const FrameView& frame_;
   StretchBatch& batch_;
+  const BatchLanes (&lanes_)[kVectors];
   const Function function_;
-  const std::size_t lane_;
   const int edge_;
   const Texels &fine_, &coarse_;
 };
 
 template <bool kPlain, typename Texels>
 void post_all(const FrameView& frame, StretchBatch& batch, const Texels& fine, const Texels& coarse) {
-  for (std::size_t lane = 0; lane < batch.count; lane += hn::Lanes(kFloats)) {
-    Post<Texels, kPlain>(frame, batch, lane, fine, coarse).run();
+  constexpr std::size_t kLanes = hn::MaxLanes(kFloats);
+  batch.opaque_count = 0;
+  std::size_t lane = 0;
+  for (; lane + kLanes < batch.count; lane += 2 * kLanes) {
+    const BatchLanes lanes[2] = {{batch, lane}, {batch, lane + kLanes}};
+    Post<Texels, kPlain, 2>(frame, batch, lanes, fine, coarse).run();
+  }
+  if (lane < batch.count) {
+    const BatchLanes lanes[1] = {{batch, lane}};
+    Post<Texels, kPlain, 1>(frame, batch, lanes, fine, coarse).run();
   }
 }
 
@@ -173,9 +220,9 @@ void post_of(const FrameView& frame, StretchBatch& batch) {
 }  // namespace
 
 void post_u8(const FrameView& frame, StretchBatch& batch) {
-  if (batch.blended || !pairs_rows(batch)) return post_of<std::uint8_t>(frame, batch);
-  const PairedRows rows{batch.row_pairs};
-  post_all<true>(frame, batch, rows, rows);
+  if (batch.blended || !makes_quads(batch)) return post_of<std::uint8_t>(frame, batch);
+  const QuadTexels quads{batch.quads};
+  post_all<true>(frame, batch, quads, quads);
 }
 void post_u16(const FrameView& frame, StretchBatch& batch) {
   post_of<std::uint16_t>(frame, batch);

@@ -49,10 +49,6 @@ struct Vec3v {
 HWY_INLINE Float dot(const Vec3v& a, const Vec3v& b) {
   return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
 }
-HWY_INLINE Vec3v load(const float (&values)[3][StretchBatch::kMost], std::size_t lane) {
-  return {hn::Load(kFloats, values[0] + lane), hn::Load(kFloats, values[1] + lane),
-          hn::Load(kFloats, values[2] + lane)};
-}
 HWY_INLINE Vec3v along(const Vec3v& first, const Vec3v& per_step, Float i) {
   return {hn::MulAdd(i, per_step.x, first.x), hn::MulAdd(i, per_step.y, first.y),
           hn::MulAdd(i, per_step.z, first.z)};
@@ -78,16 +74,45 @@ HWY_INLINE Pair gather_pair(const float* texels, Int index) {
   return {hn::GatherIndex(kFloats, texels, index), hn::GatherIndex(kFloats, texels + 1, index)};
 }
 
-/// brick::TexelAxis.
-struct TexelAxis {
-  Int low;
-  Float weight;
+/// Floats that are whole numbers from 0 to 2^22, as integers. (A conversion would mind all the others, too.)
+HWY_INLINE Int whole(Float value) {
+  constexpr float kFirst = 1 << 23;  // from here on floats' last bit is 1
+  constexpr std::int32_t kBits = 0x4b000000;
+  return hn::Sub(hn::BitCast(kInts, hn::Add(value, all(kFirst))), all_ints(kBits));
+}
 
-  HWY_INLINE TexelAxis(Float position, int edge) {
-    const Float texel =
-        hn::Min(hn::Max(hn::Add(position, all(0.5f)), hn::Zero(kFloats)), all(static_cast<float>(edge + 1)));
-    low = hn::Min(hn::ConvertTo(kInts, texel), all_ints(edge));
-    weight = hn::Sub(texel, hn::ConvertTo(kFloats, low));
+/// Stores whole numbers that are to be read one by one, from memory: to take a vector apart takes longer.
+HWY_INLINE void store_offsets(Int values, std::int32_t* offsets) {
+  hn::Store(values, kInts, offsets);
+#if defined(__GNUC__)
+  __asm__("" : "+m"(*reinterpret_cast<std::int32_t(*)[hn::MaxLanes(kInts)]>(offsets)));
+#endif
+}
+
+/// brick::TexelAxis of three axes.
+struct TexelPlace {
+  Int index;  ///< of the texel nearest to the low corner
+  Vec3v weight;
+
+  HWY_INLINE TexelPlace(const Vec3v& p, int edge) {
+    const Float x = held(p.x, edge), y = held(p.y, edge), z = held(p.z, edge);
+    const Float low_x = low(x, edge), low_y = low(y, edge), low_z = low(z, edge);
+    weight = {hn::Sub(x, low_x), hn::Sub(y, low_y), hn::Sub(z, low_z)};
+    index = index_of(low_x, low_y, low_z, edge);
+  }
+
+  /// Floats hold it exactly: a brick of 32 has 39304 texels.
+  HWY_INLINE static Int index_of(Float x, Float y, Float z, int edge) {
+    const auto row = static_cast<float>(edge + 2);
+    return whole(hn::MulAdd(z, all(row * row), hn::MulAdd(y, all(row), x)));
+  }
+
+ private:
+  HWY_INLINE static Float held(Float position, int edge) {
+    return hn::Min(hn::Max(hn::Add(position, all(0.5f)), hn::Zero(kFloats)), all(static_cast<float>(edge + 1)));
+  }
+  HWY_INLINE static Float low(Float texel, int edge) {
+    return hn::Min(hn::Floor(texel), all(static_cast<float>(edge)));
   }
 };
 
@@ -100,64 +125,108 @@ struct Corners {
   Float corner[8];
 };
 
-/// Texels as they are in a brick.
+/// Texels as they are in a brick. load() and corners() are read() in two parts.
 template <typename Voxel>
 struct PlainTexels {
+  using Raw = Corners;
   const Voxel* texels;
 
   explicit PlainTexels(const std::byte* brick) : texels(reinterpret_cast<const Voxel*>(brick)) {}
 
-  HWY_INLINE Corners read(Int index, int row, int slice) const {
+  HWY_INLINE Raw load(Int index, int row, int slice) const {
     const Pair p00 = gather_pair(texels, index), p10 = gather_pair(texels + row, index);
     const Pair p01 = gather_pair(texels + slice, index), p11 = gather_pair(texels + slice + row, index);
     return {{p00.low, p00.high, p10.low, p10.high, p01.low, p01.high, p11.low, p11.high}};
   }
+  HWY_INLINE static Corners corners(const Raw& raw) { return raw; }
+  HWY_INLINE Corners read(Int index, int row, int slice) const { return load(index, row, slice); }
 };
 
-/// Each texel beside the one behind it along y: two gathers find all eight.
-struct PairedRows {
-  const std::uint16_t* pairs;
+/// Of each texel the four of which it is the low corner across x (StretchBatch::quads): two of these, side by
+/// side, are all eight.
+struct QuadTexels {
+  struct Raw {
+    Int low, high;  // along x; bytes y + 2 * z
+  };
+  const std::uint32_t* quads;
 
-  HWY_INLINE Corners read(Int index, int, int slice) const {
-    const auto* base = reinterpret_cast<const std::int32_t*>(pairs);
-    const Int front = hn::GatherOffset(kInts, base, hn::ShiftLeft<1>(index));
-    const Int back = hn::GatherOffset(kInts, base, hn::ShiftLeft<1>(hn::Add(index, all_ints(slice))));
-    return {{byte<0>(front), byte<16>(front), byte<8>(front), byte<24>(front), byte<0>(back), byte<16>(back),
-             byte<8>(back), byte<24>(back)}};
+  HWY_INLINE Raw load(Int index, int, int) const {
+#if HWY_TARGET == HWY_AVX2
+    // Eight loads of eight bytes; as gathers, each lane of which is half of these, they would take thrice as
+    // long.
+    alignas(32) std::int32_t at[8];
+    store_offsets(index, at);
+    const auto two = [&](int a, int b) HWY_ATTR {
+      const __m128i first = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(quads + at[a]));
+      return _mm_loadh_pi(_mm_castsi128_ps(first), reinterpret_cast<const __m64*>(quads + at[b]));
+    };
+    const __m256 outer = _mm256_insertf128_ps(_mm256_castps128_ps256(two(0, 1)), two(4, 5), 1);
+    const __m256 inner = _mm256_insertf128_ps(_mm256_castps128_ps256(two(2, 3)), two(6, 7), 1);
+    return {Int{_mm256_castps_si256(_mm256_shuffle_ps(outer, inner, 0x88))},
+            Int{_mm256_castps_si256(_mm256_shuffle_ps(outer, inner, 0xdd))}};
+#else
+    const auto* base = reinterpret_cast<const std::int32_t*>(quads);
+    return {hn::GatherIndex(kInts, base, index), hn::GatherIndex(kInts, base + 1, index)};
+#endif
   }
+  HWY_INLINE static Corners corners(const Raw& raw) {
+    return {{byte<0>(raw.low), byte<0>(raw.high), byte<8>(raw.low), byte<8>(raw.high), byte<16>(raw.low),
+             byte<16>(raw.high), byte<24>(raw.low), byte<24>(raw.high)}};
+  }
+  HWY_INLINE Corners read(Int index, int row, int slice) const { return corners(load(index, row, slice)); }
 
  private:
   template <int kShift>
   HWY_INLINE static Float byte(Int four) {
+    if constexpr (kShift == 24) return hn::ConvertTo(kFloats, hn::BitCast(kInts, top_byte(four)));
     if constexpr (kShift > 0) four = hn::ShiftRight<kShift>(four);
     return hn::ConvertTo(kFloats, hn::And(four, all_ints(0xff)));
   }
+  HWY_INLINE static auto top_byte(Int four) {
+    const hn::RebindToUnsigned<Ints> words;
+    return hn::ShiftRight<24>(hn::BitCast(words, four));
+  }
 };
 
-/// Fills StretchBatch::row_pairs from a brick of bytes.
-HWY_INLINE void pair_rows(StretchBatch& batch) {
-  const hn::ScalableTag<std::uint16_t> words;
-  const hn::Rebind<std::uint8_t, decltype(words)> bytes;
+/// Fills StretchBatch::quads from a brick of bytes.
+HWY_INLINE void make_quads(StretchBatch& batch) {
   const auto* texels = reinterpret_cast<const std::uint8_t*>(batch.fine.brick);
-  const std::size_t row = batch.m + 2, count = plane_texels(batch.m) - row;
+  const std::size_t row = batch.m + 2, slice = row * row, count = plane_texels(batch.m) - slice - row;
   std::size_t i = 0;
-  for (; i + hn::Lanes(words) <= count; i += hn::Lanes(words)) {
-    const auto here = hn::PromoteTo(words, hn::LoadU(bytes, texels + i));
-    const auto behind = hn::PromoteTo(words, hn::LoadU(bytes, texels + i + row));
-    hn::StoreU(hn::Or(here, hn::ShiftLeft<8>(behind)), words, batch.row_pairs + i);
+#if HWY_TARGET != HWY_SCALAR
+  const hn::Full128<std::uint8_t> bytes;
+  const hn::Full128<std::uint16_t> pairs;
+  const hn::Full128<std::uint32_t> quads;
+  for (; i + 16 <= count; i += 16) {
+    const auto at = [&](std::size_t offset) HWY_ATTR { return hn::LoadU(bytes, texels + i + offset); };
+    const auto a = at(0), b = at(row), c = at(slice), d = at(slice + row);
+    const auto pair = [&](auto v) HWY_ATTR { return hn::BitCast(pairs, v); };
+    const auto front_low = pair(hn::InterleaveLower(bytes, a, b));
+    const auto front_high = pair(hn::InterleaveUpper(bytes, a, b));
+    const auto back_low = pair(hn::InterleaveLower(bytes, c, d));
+    const auto back_high = pair(hn::InterleaveUpper(bytes, c, d));
+    const auto put = [&](auto v, std::size_t offset)
+                         HWY_ATTR { hn::StoreU(hn::BitCast(quads, v), quads, batch.quads + i + offset); };
+    put(hn::InterleaveLower(pairs, front_low, back_low), 0);
+    put(hn::InterleaveUpper(pairs, front_low, back_low), 4);
+    put(hn::InterleaveLower(pairs, front_high, back_high), 8);
+    put(hn::InterleaveUpper(pairs, front_high, back_high), 12);
   }
+#endif
   for (; i < count; ++i) {
-    batch.row_pairs[i] = static_cast<std::uint16_t>(texels[i] | texels[i + row] << 8);
+    const std::uint32_t front = texels[i] | texels[i + row] << 8;
+    const std::uint32_t back = texels[i + slice] | texels[i + slice + row] << 8;
+    batch.quads[i] = front | back << 16;
   }
 }
 
-/// Pairs the rows of the fine brick of bytes where the batch's rays take so many steps that it pays.
-HWY_INLINE bool pairs_rows(StretchBatch& batch) {
-  constexpr std::int64_t kLongSteps = 24;
-  std::int64_t steps = 0;
-  for (std::uint32_t i = 0; i < batch.count; ++i) steps += batch.steps[i];
-  if (steps <= kLongSteps * static_cast<std::int64_t>(hn::Lanes(kFloats))) return false;
-  pair_rows(batch);
+/// Makes quads of the fine brick of bytes where the batch's rays take so many steps that it pays.
+HWY_INLINE bool makes_quads(StretchBatch& batch) {
+  constexpr float kLongSteps = 24;
+  float steps = 0;
+  for (std::uint32_t i = 0; i < batch.count; ++i) steps += batch.steps(i);
+  if (steps <= kLongSteps * static_cast<float>(hn::Lanes(kFloats))) return false;
+  make_quads(batch);
   return true;
 }
 
@@ -167,39 +236,39 @@ HWY_INLINE Mask in_visible_cell(std::uint64_t cells, int edge, const Vec3v& p) {
   const auto cell = [&](Float x) HWY_ATTR {
     const Float held = hn::Min(hn::Max(hn::Mul(x, cells_per_voxel), hn::Zero(kFloats)),
                                all(static_cast<float>(kCellsAcross) - 0.5f));
-    return hn::ConvertTo(kInts, held);
+    return hn::Floor(held);
   };
-  const Int index = hn::Add(cell(p.x), hn::Add(hn::ShiftLeft<2>(cell(p.y)), hn::ShiftLeft<4>(cell(p.z))));
+  const Float across = all(static_cast<float>(kCellsAcross));
+  const Int index = whole(hn::MulAdd(hn::MulAdd(cell(p.z), across, cell(p.y)), across, cell(p.x)));
   const Int low = all_ints(static_cast<std::int32_t>(cells & 0xffffffffu));
   const Int high = all_ints(static_cast<std::int32_t>(cells >> 32));
   const Int half = hn::IfThenElse(hn::Gt(index, all_ints(31)), high, low);
-  const Int bit = hn::Shl(all_ints(1), hn::And(index, all_ints(31)));
-  return hn::RebindMask(kFloats, hn::Ne(hn::And(half, bit), hn::Zero(kInts)));
+  const Int to_sign = hn::AndNot(index, all_ints(31));
+  return hn::RebindMask(kFloats, hn::MaskFromVec(hn::BroadcastSignBit(hn::Shl(half, to_sign))));
 }
 
 template <typename Texels>
 HWY_INLINE Float sample(const Texels& texels, int edge, const Vec3v& p) {
-  const int row = edge + 2, slice = row * row;
-  const TexelAxis x(p.x, edge), y(p.y, edge), z(p.z, edge);
-  const Int index = hn::Add(x.low, hn::Add(hn::Mul(y.low, all_ints(row)), hn::Mul(z.low, all_ints(slice))));
-  const Corners at = texels.read(index, row, slice);
+  const TexelPlace place(p, edge);
+  const Corners at = texels.read(place.index, edge + 2, (edge + 2) * (edge + 2));
   const auto& c = at.corner;
-  const Float c00 = mix(c[0], c[1], x.weight), c10 = mix(c[2], c[3], x.weight);
-  const Float c01 = mix(c[4], c[5], x.weight), c11 = mix(c[6], c[7], x.weight);
-  return mix(mix(c00, c10, y.weight), mix(c01, c11, y.weight), z.weight);
+  const Vec3v& weight = place.weight;
+  const Float c00 = mix(c[0], c[1], weight.x), c10 = mix(c[2], c[3], weight.x);
+  const Float c01 = mix(c[4], c[5], weight.x), c11 = mix(c[6], c[7], weight.x);
+  return mix(mix(c00, c10, weight.y), mix(c01, c11, weight.y), weight.z);
 }
 
 /// Along one axis: the first of the three texels around a place from 0 to `edge`, and what each of them
 /// weighs in the value and in the difference of half a voxel to either side.
 struct ThreeTexels {
-  Int first;
+  Float first;
   Float of_value[3], of_difference[3];
 
   HWY_INLINE ThreeTexels(Float position, int edge) {
     const Float zero = hn::Zero(kFloats), one = all(1), half = all(0.5f);
     const Float held = hn::Min(hn::Max(position, zero), all(static_cast<float>(edge)));
-    first = hn::Min(hn::ConvertTo(kInts, held), all_ints(edge - 1));
-    const Float in_voxel = hn::Sub(held, hn::ConvertTo(kFloats, first));
+    first = hn::Min(hn::Floor(held), all(static_cast<float>(edge - 1)));
+    const Float in_voxel = hn::Sub(held, first);
     const Float from_centre = hn::Sub(in_voxel, half);
     of_value[0] = hn::Max(hn::Neg(from_centre), zero);
     of_value[1] = hn::Sub(one, hn::Abs(from_centre));
@@ -236,8 +305,7 @@ template <typename Voxel>
 HWY_INLINE Vec3v gradient(const Voxel* texels, int edge, const Vec3v& p) {
   const int row = edge + 2, slice = row * row;
   const ThreeTexels x(p.x, edge), y(p.y, edge), z(p.z, edge);
-  const Int index =
-      hn::Add(x.first, hn::Add(hn::Mul(y.first, all_ints(row)), hn::Mul(z.first, all_ints(slice))));
+  const Int index = TexelPlace::index_of(x.first, y.first, z.first, edge);
   Float along_x[3], along_y[3], value[3];
   for (int k = 0; k < 3; ++k) {
     Float row_value[3], row_difference[3];
@@ -272,18 +340,19 @@ HWY_INLINE Float deviation(const std::uint8_t* deviations, int brick_edge, const
   const std::uint8_t* codes = deviations + sizeof(unit);
   const int edge = brick_edge / 2, row = edge + 2, slice = row * row;
   const Float half = all(0.5f);
-  const TexelAxis x(hn::Mul(p.x, half), edge), y(hn::Mul(p.y, half), edge), z(hn::Mul(p.z, half), edge);
+  const TexelPlace place({hn::Mul(p.x, half), hn::Mul(p.y, half), hn::Mul(p.z, half)}, edge);
+  const Vec3v& weight = place.weight;
   // The last texels' neighbours are read with those before them: a brick ends with its deviations.
-  const Int index = hn::Add(x.low, hn::Add(hn::Mul(y.low, all_ints(row)), hn::Mul(z.low, all_ints(slice))));
   Float along_x[4];
   for (int i = 0; i < 4; ++i) {
     const int offset = (i & 1) * row + (i >> 1) * slice - 2;
-    const Int four = hn::GatherOffset(kInts, reinterpret_cast<const std::int32_t*>(codes + offset), index);
+    const Int four =
+        hn::GatherOffset(kInts, reinterpret_cast<const std::int32_t*>(codes + offset), place.index);
     along_x[i] =
-        mix(meaning_of_codes(hn::ShiftRight<16>(four)), meaning_of_codes(hn::ShiftRight<24>(four)), x.weight);
+        mix(meaning_of_codes(hn::ShiftRight<16>(four)), meaning_of_codes(hn::ShiftRight<24>(four)), weight.x);
   }
   return hn::Mul(all(unit),
-                 mix(mix(along_x[0], along_x[1], y.weight), mix(along_x[2], along_x[3], y.weight), z.weight));
+                 mix(mix(along_x[0], along_x[1], weight.y), mix(along_x[2], along_x[3], weight.y), weight.z));
 }
 
 }  // namespace

@@ -49,11 +49,32 @@ HWY_INLINE Float power_of(Float base, float exponent) {
   return hn::Exp(kFloats, hn::Mul(all(exponent), hn::Log(kFloats, hn::Max(base, all(kLeast)))));
 }
 
+/// What of shading is the same all along a ray: the directions half way between the eye and lights that are far.
+class Halfways {
+ public:
+  HWY_INLINE void find(const scene::LightingView& lighting, const Vec3v& to_eye) {
+    for (int l = 0; l < lighting.lighting.lights; ++l) {
+      if (lighting.lighting.light[l].kind == scene::LightKind::point) continue;
+      const Vec3f place(lighting.place[l]);
+      direction_[l] = between(to_eye, {all(place.x), all(place.y), all(place.z)});
+    }
+  }
+  HWY_INLINE const Vec3v& operator[](int light) const { return direction_[light]; }
+
+  HWY_INLINE static Vec3v between(const Vec3v& to_eye, const Vec3v& to_light) {
+    return unit_or_zero(
+        {hn::Add(to_eye.x, to_light.x), hn::Add(to_eye.y, to_light.y), hn::Add(to_eye.z, to_light.z)});
+  }
+
+ private:
+  Vec3v direction_[scene::Lighting::kMostLights];
+};
+
 /// RayView::shade with a gradient in tree space, in units of what is half a surface; `scale` is
 /// FrameView::gradient_scale. `point_at()` gives the place in the world, where a light is near.
 template <typename PointAt>
 HWY_INLINE Shade shade(const FrameView& frame, const Vec3v& gradient, Float scale, const Vec3v& to_eye,
-                       const PointAt& point_at) {
+                       const Halfways& halfways, const PointAt& point_at) {
   const Float zero = hn::Zero(kFloats), one = all(1);
   const Float steep2 = hn::Min(hn::Mul(hn::Mul(scale, scale), dot(gradient, gradient)), all(1e30f));
   const Float certainty = hn::Div(steep2, hn::Add(steep2, one));
@@ -63,27 +84,29 @@ HWY_INLINE Shade shade(const FrameView& frame, const Vec3v& gradient, Float scal
   };
   const Vec3v world = {to_world(0), to_world(1), to_world(2)};
   const Float steepness = hn::Sqrt(dot(world, world));
-  const Mask has_normal = hn::Gt(steepness, zero);
-  const Vec3v normal = scaled(hn::Div(one, hn::IfThenElse(has_normal, steepness, one)), world);
+  // Where there is no normal, all of it is 0.
+  const Float per_length = hn::IfThenElseZero(hn::Gt(steepness, zero), hn::Div(one, steepness));
+  const Float certain = hn::IfThenElseZero(hn::Gt(steepness, zero), certainty);
   const scene::Lighting& lighting = frame.lighting.lighting;
-  const Float ambient = all(lighting.ambient);
+  const Float ambient = all(lighting.ambient), specular = hn::Mul(certain, all(lighting.specular));
   Shade shade{{ambient, ambient, ambient}, {zero, zero, zero}};
   for (int l = 0; l < lighting.lights; ++l) {
     const scene::Light& light = lighting.light[l];
     const Vec3f place(frame.lighting.place[l]);
     Vec3v to_light = {all(place.x), all(place.y), all(place.z)};
+    Vec3v half;
     if (light.kind == scene::LightKind::point) {
       const Vec3v point = point_at();
       to_light = unit_or_zero(
           {hn::Sub(to_light.x, point.x), hn::Sub(to_light.y, point.y), hn::Sub(to_light.z, point.z)});
+      half = Halfways::between(to_eye, to_light);
+    } else {
+      half = halfways[l];
     }
-    const Float turned = hn::Sub(hn::Abs(dot(normal, to_light)), one);
-    const Float facing = hn::IfThenElse(has_normal, hn::MulAdd(certainty, turned, one), one);
-    const Vec3v between = unit_or_zero(
-        {hn::Add(to_eye.x, to_light.x), hn::Add(to_eye.y, to_light.y), hn::Add(to_eye.z, to_light.z)});
-    const Float power = power_of(hn::Abs(dot(normal, between)), lighting.shininess);
-    const Float glint =
-        hn::IfThenElseZero(has_normal, hn::Mul(hn::Mul(certainty, all(lighting.specular)), power));
+    const auto cosine = [&](const Vec3v& direction)
+                            HWY_ATTR { return hn::Mul(hn::Abs(dot(world, direction)), per_length); };
+    const Float facing = hn::MulAdd(certain, hn::Sub(cosine(to_light), one), one);
+    const Float glint = hn::Mul(specular, power_of(cosine(half), lighting.shininess));
     const Float diffuse = hn::Mul(all(lighting.diffuse), facing);
     const Float r = all(light.color.x), g = all(light.color.y), b = all(light.color.z);
     shade.body = {hn::MulAdd(diffuse, r, shade.body.x), hn::MulAdd(diffuse, g, shade.body.y),

@@ -4,25 +4,31 @@
 /// processor has (Google Highway, chosen at run time).
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
+#include "gvx/exec/tile_grid.h"
 #include "gvx/render/frame.h"
 
 namespace gvx::render {
 
 struct StretchBatch {
   /// As many rays as a tile of a film has.
-  static constexpr std::uint32_t kMost = 256;
+  static constexpr std::uint32_t kMost = exec::TileGrid::kTile * exec::TileGrid::kTile;
 
   /// A brick of the tree's format, and the rays' way through it: in voxels from its low corner, from the
-  /// centre of the first step.
+  /// centre of the first step. Rows are of one ray each, and one more than there are rays:
+  ///
+  ///     fine     first x, y, z, steps    way of a step x, y, z, the ray's number (an integer's bits)
+  ///     coarse   first x, y, z, blend    way of a step x, y, z, growth of blend a step
+  ///
+  /// `blend` is the coarse brick's share at the centre of the first step; it is held from 0 to 1.
   struct Path {
     const std::byte* brick = nullptr;
     bool deviates = false;
     float gradient_scale = 1;
-    alignas(64) float first[3][kMost];
-    alignas(64) float per_step[3][kMost];
+    alignas(64) float row[kMost + 1][8];
   };
 
   std::uint32_t m = 16;  ///< the bricks' edge, 8, 16 or 32
@@ -30,28 +36,37 @@ struct StretchBatch {
   float units = 1;       ///< unit distances of the extinctions a step
   bool blended = false;  ///< the coarse brick is seen too
   Path fine, coarse;
+  /// Where in the world the centre of the first step is, and the way of a step: x, y, z and one of no concern,
+  /// twice. Only where lights are near.
+  alignas(64) float place[kMost + 1][8];
 
   /// Of the fine brick's cells those that can be seen (visible_cells.h); for batches of one brick.
   std::uint64_t cells = ~std::uint64_t(0);
 
-  std::uint32_t count = 0;  ///< rays
-  alignas(64) std::int32_t steps[kMost];
-  /// The coarse brick's share at the centre of the first step and its growth a step; it is held from 0 to 1.
-  alignas(64) float blend[kMost];
-  alignas(64) float blend_per_step[kMost];
-  alignas(64) float to_eye[3][kMost];
-  /// Where in the world the centre of the first step is, and the way of a step.
-  alignas(64) float place[3][kMost];
-  alignas(64) float place_per_step[3][kMost];
+  std::uint32_t count = 0;                ///< rows
+  std::uint8_t length[kMost + 8];         ///< of each row: its steps, or 255
+  alignas(64) std::int32_t order[kMost];  ///< in which rows are put side by side: those of like lengths
 
-  /// What the rays have gathered (RayState).
-  alignas(64) float color[3][kMost];
-  alignas(64) float opacity[kMost];
-  alignas(64) std::int32_t samples[kMost];
+  /// Of all rays, by their numbers: unit directions towards the eye (x, y, z and one of no concern); what they
+  /// have gathered (RayState: red, green, blue, opacity).
+  const float (*to_eye)[4] = nullptr;
+  float (*gathered)[4] = nullptr;
+  std::int32_t* samples = nullptr;
 
-  /// Where a brick of bytes is put, if that pays: each texel beside the one behind it along y.
-  bool paired = false;
-  alignas(64) std::uint16_t row_pairs[plane_texels(32)];
+  /// Out: the numbers of those rays that see nothing more.
+  std::uint32_t opaque_count = 0;
+  std::int32_t opaque[kMost];
+
+  /// Where a brick of bytes is put, if that pays: of each texel itself, the next along y, the next along z, and
+  /// the one that is next along both, from the lowest bits up.
+  bool has_quads = false;
+  alignas(64) std::uint32_t quads[plane_texels(32)];
+
+  float steps(std::uint32_t i) const { return fine.row[i][3]; }
+  std::uint32_t ray(std::uint32_t i) const { return std::bit_cast<std::uint32_t>(fine.row[i][7]); }
+
+  /// Fills `order`: rays of a vector go as far as the one that goes farthest.
+  void put_in_order();
 };
 
 /// Are there vectors for this way to look? Scalars of one channel, composited, without opacity by gradient.

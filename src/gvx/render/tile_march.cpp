@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <optional>
+#include <bit>
+#include <cstring>
 
 #include "gvx/core/result.h"
 #include "gvx/exec/parallel.h"
@@ -19,7 +20,6 @@ namespace {
 struct Workspace {
   TileRays rays;
   StretchBatch batch;
-  RayList list;
   PreviewPixel pixel[TileRays::kMost];  // their counts
 };
 
@@ -31,10 +31,10 @@ Workspace& this_threads_workspace() {
 template <typename Voxel, int N, int M>
 class TileMarcher {
  public:
-  /// The rays through the pixels (x0 + i * apart, y0 + j * apart), `rows` rows of them; `preview`: they make
-  /// do with what is resident. A thread has one at a time.
+  /// The rays through the pixels (x0 + i * apart, y0 + j * apart), i and j below `edge`, all at their start;
+  /// `preview`: they make do with what is resident. A thread has one at a time.
   TileMarcher(const PassView<Voxel, N, M>& view, const TileProjection& projection, double x0, double y0,
-              double apart, std::uint32_t rows, bool preview)
+              double apart, std::uint32_t edge, bool preview)
       : view_(view),
         walk_(view),
         preview_(preview),
@@ -42,61 +42,81 @@ class TileMarcher {
         projection_(projection),
         work_(this_threads_workspace()) {
     const FrameView& frame = view.frame;
-    set_up(frame, x0, y0, apart, rows, work_.rays);
+    TileRays& rays = work_.rays;
+    active_ = set_up(frame, x0, y0, apart, edge, rays);
     projection_.begin_tile(x0, y0);
-    work_.batch.m = M;
     eye_tree_ = frame.world_to_tree.point(frame.camera.eye);
     if (frame.camera.orthographic) {
       const Vec3d forward = frame.world_to_tree.vector(frame.camera.forward);
       for (int axis = 0; axis < 3; ++axis) eye_tree_[axis] = forward[axis] > 0 ? -1e300 : 1e300;
     }
+    const std::size_t many = edge * TileRays::kEdge;
+    std::fill_n(rays.tick, many, 0.0);
+    std::memset(rays.gathered, 0, many * sizeof(rays.gathered[0]));
+    std::memset(rays.samples, 0, many * sizeof(rays.samples[0]));
+    if (preview) std::fill_n(work_.pixel, many, PreviewPixel());
+    if (zones_) {
+      for (std::uint32_t ray = 0; ray < many; ++ray) {
+        if (active_.has(ray)) rays.find_zone(frame, ray);
+      }
+    } else {
+      rays.find_zone(frame, 0);
+      std::fill_n(rays.zone, many, rays.zone[0]);
+      std::fill_n(rays.stride, many, rays.stride[0]);
+      std::fill_n(rays.steps_per_t, many, rays.steps_per_t[0]);
+      std::fill_n(rays.zone_end, many, rays.zone_end[0]);
+    }
+    StretchBatch& batch = work_.batch;
+    batch.m = M;
+    batch.to_eye = rays.to_eye;
+    batch.gathered = rays.gathered;
+    batch.samples = rays.samples;
   }
 
-  /// Ray `index` of the tile takes part, from where it is.
-  void add(std::uint32_t index, const RayState& state) {
-    TileRays& rays = work_.rays;
-    rays.tick[index] = static_cast<double>(state.tick);
-    for (int c = 0; c < 3; ++c) rays.color[c][index] = state.color[c];
-    rays.opacity[index] = state.opacity;
-    rays.samples[index] = static_cast<std::int32_t>(state.samples);
-    work_.pixel[index] = {};
+  /// Ray `index` goes on from where it was.
+  void resume(std::uint32_t index, const RayState& state) {
+    work_.rays.tick[index] = static_cast<double>(state.tick);
+    put(index, state);
+    if (zones_) work_.rays.find_zone(view_.frame, index);
     resumed_ = resumed_ || state.tick > 0;
-    if (!(rays.enter[index] < rays.exit[index])) return;
-    rays.find_zone(view_.frame, index);
-    active_.set(index);
-    ++left_;
+  }
+  /// No other rays than these take part.
+  void leave_out_all_but(const ActiveRays& rays) {
+    for (std::uint32_t y = 0; y < TileRays::kEdge; ++y) {
+      for (std::uint32_t out = active_.row[y] & ~rays.row[y]; out != 0; out &= out - 1) {
+        work_.rays.exit[y * TileRays::kEdge + static_cast<std::uint32_t>(std::countr_zero(out))] = -1;
+      }
+      active_.row[y] &= rays.row[y];
+    }
   }
 
   /// Marches until no ray has anything to go through, or the deadline.
   void march(exec::Deadline deadline) {
     deadline_ = deadline;
-    if (left_ == 0) return;
-    for (std::uint32_t ray = 0; ray < TileRays::kMost; ++ray) {
-      if (!active_.has(ray)) work_.rays.exit[ray] = -1;
-    }
-    visit(At(), TileRect());
+    left_ = active_.count();
+    if (left_ > 0) visit(At(), TileRect());
   }
 
+  bool all_finished() const { return blocked_.count() == 0 && !(stopped_ && left_ > 0); }
   /// Where ray `index` is now.
   RayState state_of(std::uint32_t index) const {
     const TileRays& rays = work_.rays;
     RayState state;
     state.tick = static_cast<std::int64_t>(rays.tick[index]);
-    state.color = {rays.color[0][index], rays.color[1][index], rays.color[2][index]};
-    state.opacity = rays.opacity[index];
+    const float(&gathered)[4] = rays.gathered[index];
+    state.color = {gathered[0], gathered[1], gathered[2]};
+    state.opacity = gathered[3];
     state.samples = static_cast<std::uint32_t>(rays.samples[index]);
+    const bool goes_on = blocked_.has(index) || (stopped_ && active_.has(index));
+    state.phase = goes_on ? RayPhase::under_way : RayPhase::finished;
     return state;
-  }
-  /// After the march: is it at its end?
-  bool finished(std::uint32_t index) const {
-    return !blocked_.has(index) && !(stopped_ && active_.has(index));
   }
   /// What a preview of it shows.
   PreviewPixel pixel(std::uint32_t index) const {
-    const TileRays& rays = work_.rays;
     PreviewPixel pixel = work_.pixel[index];
-    pixel.color = {rays.color[0][index], rays.color[1][index], rays.color[2][index]};
-    pixel.opacity = rays.opacity[index];
+    const float(&gathered)[4] = work_.rays.gathered[index];
+    pixel.color = {gathered[0], gathered[1], gathered[2]};
+    pixel.opacity = gathered[3];
     return pixel;
   }
 
@@ -265,15 +285,15 @@ class TileMarcher {
     const bool seen = is_brick && prepare(shown, level, wanted);
     // Cells that cannot be seen are nobody's business, unless rays are counted or have passed them.
     if (is_brick && !seen && !preview_ && !resumed_) return walk_.touch_bricks(shown);
-    gather_stretches(view_.frame, active_, box, rect, wanted, work_.rays, work_.batch, work_.list);
-    const RayList& list = work_.list;
-    if (list.size == 0) return;
+    StretchBatch& batch = work_.batch;
+    gather_stretches(view_.frame, active_, box, rect, wanted, work_.rays, batch);
+    if (batch.count == 0) return;
     if (place.lacks()) {
-      float most_opacity = 1;
-      for (std::uint32_t i = 0; i < list.size; ++i) {
-        most_opacity = std::min(most_opacity, work_.batch.opacity[i]);
+      float least_opacity = 1;
+      for (std::uint32_t i = 0; i < batch.count; ++i) {
+        least_opacity = std::min(least_opacity, work_.rays.gathered[batch.ray(i)][3]);
       }
-      walk_.ask(place, 1 - most_opacity);
+      walk_.ask(place, 1 - least_opacity);
       if (stops) return block();
       walk_.ask_for_own(place);
     }
@@ -282,12 +302,13 @@ class TileMarcher {
     if (!is_brick) return;
     walk_.touch_bricks(shown);
     if (!seen) return;
+    batch.put_in_order();
     if (view_.frame.classification == scene::Classification::post) {
-      composite_post_batch(view_.frame, work_.batch);
+      composite_post_batch(view_.frame, batch);
     } else {
-      composite_batch(view_.frame, work_.batch);
+      composite_batch(view_.frame, batch);
     }
-    take_back();
+    for (std::uint32_t i = 0; i < batch.opaque_count; ++i) retire(static_cast<std::uint32_t>(batch.opaque[i]));
     // Beginning a tile costs something: one that was begun comes a good part further.
     constexpr int kLeastBatches = 32;
     stopped_ = ++batches_ >= kLeastBatches && exec::late(deadline_);
@@ -295,8 +316,8 @@ class TileMarcher {
 
   void count_wanted(const Place& place, int level) {
     const std::uint32_t lack = place.lack != 0 ? place.lack_of(level) : 0;
-    for (std::uint32_t i = 0; i < work_.list.size; ++i) {
-      PreviewPixel& pixel = work_.pixel[work_.list.ray[i]];
+    for (std::uint32_t i = 0; i < work_.batch.count; ++i) {
+      PreviewPixel& pixel = work_.pixel[work_.batch.ray(i)];
       ++pixel.wanted;
       pixel.resident += place.lacks() ? 0 : 1;
       pixel.worst_lack = std::max(pixel.worst_lack, lack);
@@ -327,8 +348,8 @@ class TileMarcher {
 
   /// The rays of the list stop before what they were to go through.
   void block() {
-    for (std::uint32_t i = 0; i < work_.list.size; ++i) {
-      const auto ray = static_cast<std::uint32_t>(work_.list.ray[i]);
+    for (std::uint32_t i = 0; i < work_.batch.count; ++i) {
+      const std::uint32_t ray = work_.batch.ray(i);
       work_.rays.tick[ray] = work_.rays.start[ray];
       blocked_.set(ray);
       retire(ray);
@@ -346,29 +367,22 @@ class TileMarcher {
     const RayView view{view_.frame, {}, {}};
     const ChannelRanges values = walk_.ranges_of(place);
     TileRays& rays = work_.rays;
-    for (std::uint32_t i = 0; i < work_.list.size; ++i) {
-      const auto ray = static_cast<std::uint32_t>(work_.list.ray[i]);
+    for (std::uint32_t i = 0; i < work_.batch.count; ++i) {
+      const std::uint32_t ray = work_.batch.ray(i);
       RayState state = state_of(ray);
+      state.phase = RayPhase::under_way;
       const double steps = (rays.tick[ray] - rays.start[ray]) / rays.stride[ray];
       composite_constant(view, values, level, static_cast<std::int64_t>(steps), state);
-      for (int c = 0; c < 3; ++c) rays.color[c][ray] = state.color[c];
-      rays.opacity[ray] = state.opacity;
-      rays.samples[ray] = static_cast<std::int32_t>(state.samples);
+      put(ray, state);
       if (state.phase == RayPhase::finished) retire(ray);
     }
   }
 
-  /// Gives the rays what the batch has gathered.
-  void take_back() {
-    const StretchBatch& batch = work_.batch;
-    TileRays& rays = work_.rays;
-    for (std::uint32_t i = 0; i < work_.list.size; ++i) {
-      const auto ray = static_cast<std::uint32_t>(work_.list.ray[i]);
-      for (int c = 0; c < 3; ++c) rays.color[c][ray] = batch.color[c][i];
-      rays.opacity[ray] = batch.opacity[i];
-      rays.samples[ray] = batch.samples[i];
-      if (batch.opacity[i] >= kOpaque) retire(ray);
-    }
+  void put(std::uint32_t ray, const RayState& state) {
+    float(&gathered)[4] = work_.rays.gathered[ray];
+    for (int c = 0; c < 3; ++c) gathered[c] = state.color[c];
+    gathered[3] = state.opacity;
+    work_.rays.samples[ray] = static_cast<std::int32_t>(state.samples);
   }
 
   std::uint64_t cells_of(BrickIndex slot) const {
@@ -396,23 +410,31 @@ class TileMarcher {
   Vec3d eye_tree_;
   Workspace& work_;
   ActiveRays active_, blocked_;
-  int left_ = 0;          // active ones
-  bool resumed_ = false;  // some ray was on its way before
-  bool stopped_ = false;  // by the deadline
+  std::uint32_t left_ = 0;  // active ones
+  bool resumed_ = false;    // some ray was on its way before
+  bool stopped_ = false;    // by the deadline
   int batches_ = 0;
   exec::Deadline deadline_;
 };
 
-/// Calls function(i, x, y) for each ray of a tile; i is its place among those of the tile.
-template <typename Function>
-void for_rays(exec::TileGrid grid, std::uint32_t tile, Function function) {
-  const std::uint32_t x0 = tile % grid.tiles_x() * grid.tile, y0 = tile / grid.tiles_x() * grid.tile;
-  for (std::uint32_t j = 0; j < grid.tile && y0 + j < grid.height; ++j) {
-    for (std::uint32_t i = 0; i < grid.tile && x0 + i < grid.width; ++i) {
-      function(j * exec::TileGrid::kTile + i, x0 + i, y0 + j);
+/// The part of a tile that is in the picture.
+struct TilePart {
+  std::uint32_t x0, y0, width, height;
+
+  TilePart(exec::TileGrid grid, std::uint32_t tile)
+      : x0(tile % grid.tiles_x() * grid.tile),
+        y0(tile / grid.tiles_x() * grid.tile),
+        width(std::min(grid.tile, grid.width - x0)),
+        height(std::min(grid.tile, grid.height - y0)) {}
+
+  /// Calls function(i, x, y) for each of its rays; i is the ray's place among those of the tile.
+  template <typename Function>
+  void for_rays(Function function) const {
+    for (std::uint32_t j = 0; j < height; ++j) {
+      for (std::uint32_t i = 0; i < width; ++i) function(j * TileRays::kEdge + i, x0 + i, y0 + j);
     }
   }
-}
+};
 
 template <typename Voxel, int N, int M>
 bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, const Pass& pass,
@@ -425,43 +447,38 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
       all_begun.store(false, std::memory_order_relaxed);
       return;
     }
-    const std::uint32_t x0 = tiles[t] % grid.tiles_x() * grid.tile;
-    const std::uint32_t y0 = tiles[t] / grid.tiles_x() * grid.tile;
-    // A tile that is finished must cost next to nothing, or short frames end in it.
-    std::optional<TileMarcher<Voxel, N, M>> marcher;
-    RayList marching;
-    const auto state_at = [&](std::uint32_t x, std::uint32_t y) -> RayState& {
-      return rays[std::size_t(y) * grid.width + x];
+    const TilePart part(grid, tiles[t]);
+    const auto index_of = [&](std::uint32_t x, std::uint32_t y) { return std::size_t(y) * grid.width + x; };
+    const auto index_of_ray = [&](std::uint32_t i) {
+      return index_of(part.x0 + i % TileRays::kEdge, part.y0 + i / TileRays::kEdge);
     };
+    ActiveRays marching, resuming;
     bool all_finished = true;
-    for_rays(grid, tiles[t], [&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
-      RayState& ray = state_at(x, y);
-      if (ray.epoch != pass.epoch) {
-        ray = RayState{};
-        ray.epoch = pass.epoch;
-      }
-      if (ray.phase == RayPhase::finished) return;
-      if (pass.lone_ray != Pass::kAllRays && pass.lone_ray != std::uint64_t(y) * grid.width + x) {
-        all_finished = false;
-        return;
-      }
-      if (!marcher) marcher.emplace(view, projection, double(x0), double(y0), 1.0, grid.tile, false);
-      marcher->add(i, ray);
-      marching.ray[marching.size++] = static_cast<std::int32_t>(i);
+    part.for_rays([&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
+      const RayState& ray = rays[index_of(x, y)];
+      const bool begun = ray.epoch == pass.epoch;
+      if (begun && ray.phase == RayPhase::finished) return;
+      all_finished = false;
+      if (pass.lone_ray != Pass::kAllRays && pass.lone_ray != index_of(x, y)) return;
+      marching.set(i);
+      if (begun) resuming.set(i);
     });
-    if (marcher) marcher->march(deadline);
-    for (std::uint32_t k = 0; k < marching.size; ++k) {
-      const auto i = static_cast<std::uint32_t>(marching.ray[k]);
-      RayState& ray = state_at(x0 + i % exec::TileGrid::kTile, y0 + i / exec::TileGrid::kTile);
-      ray = marcher->state_of(i);
+    // A tile that is finished must cost next to nothing, or short frames end in it.
+    if (all_finished) return;
+    exec::store_relaxed(&unfinished[tiles[t]], 1);
+    if (marching.count() == 0) return;
+    TileMarcher<Voxel, N, M> marcher(view, projection, part.x0, part.y0, 1, grid.tile, false);
+    marcher.leave_out_all_but(marching);
+    resuming.for_each([&](std::uint32_t i) { marcher.resume(i, rays[index_of_ray(i)]); });
+    marcher.march(deadline);
+    marching.for_each([&](std::uint32_t i) {
+      RayState& ray = rays[index_of_ray(i)];
+      ray = marcher.state_of(i);
       ray.epoch = pass.epoch;
-      if (marcher->finished(i)) {
-        ray.phase = RayPhase::finished;
-      } else {
-        all_finished = false;
-      }
+    });
+    if (marcher.all_finished() && marching.count() == part.width * part.height) {
+      exec::store_relaxed(&unfinished[tiles[t]], 0);
     }
-    if (!all_finished) exec::store_relaxed(&unfinished[tiles[t]], 1);
   });
   return all_begun.load();
 }
@@ -478,31 +495,30 @@ bool preview_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, c
       all_done.store(false, std::memory_order_relaxed);
       return;
     }
-    const std::uint32_t x0 = tiles[t] % grid.tiles_x() * grid.tile * block;
-    const std::uint32_t y0 = tiles[t] / grid.tiles_x() * grid.tile * block;
-    std::optional<TileMarcher<Voxel, N, M>> marcher;
-    RayList marching;
-    const auto pixel_of = [&](std::uint32_t x, std::uint32_t y) {
+    const TilePart part(grid, tiles[t]);
+    const auto index_of = [&](std::uint32_t x, std::uint32_t y) {
       return std::size_t(y) * block * view.frame.width + std::size_t(x) * block;
     };
-    for_rays(grid, tiles[t], [&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
-      const std::size_t pixel = pixel_of(x, y);
-      if (rays[pixel].epoch == pass.epoch && rays[pixel].phase == RayPhase::finished) return;
-      if (pixels[pixel].epoch == pass.epoch && pixels[pixel].generation == generation) return;
-      if (!marcher) marcher.emplace(view, projection, double(x0), double(y0), double(block), grid.tile, true);
-      marcher->add(i, RayState{});
-      marching.ray[marching.size++] = static_cast<std::int32_t>(i);
+    const auto is_drawn = [&](std::size_t pixel) {
+      return (rays[pixel].epoch == pass.epoch && rays[pixel].phase == RayPhase::finished) ||
+             (pixels[pixel].epoch == pass.epoch && pixels[pixel].generation == generation);
+    };
+    ActiveRays missing;
+    part.for_rays([&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
+      if (!is_drawn(index_of(x, y))) missing.set(i);
     });
+    if (missing.count() == 0) return;
+    TileMarcher<Voxel, N, M> marcher(view, projection, double(part.x0) * block, double(part.y0) * block,
+                                     double(block), grid.tile, true);
+    marcher.leave_out_all_but(missing);
     // A preview's ray cannot stop half way.
-    if (marcher) marcher->march(exec::no_deadline());
-    for (std::uint32_t k = 0; k < marching.size; ++k) {
-      const auto i = static_cast<std::uint32_t>(marching.ray[k]);
-      PreviewPixel& pixel =
-          pixels[pixel_of(x0 / block + i % exec::TileGrid::kTile, y0 / block + i / exec::TileGrid::kTile)];
-      pixel = marcher->pixel(i);
+    marcher.march(exec::no_deadline());
+    missing.for_each([&](std::uint32_t i) {
+      PreviewPixel& pixel = pixels[index_of(part.x0 + i % TileRays::kEdge, part.y0 + i / TileRays::kEdge)];
+      pixel = marcher.pixel(i);
       pixel.epoch = pass.epoch;
       pixel.generation = generation;
-    }
+    });
   });
   return all_done.load();
 }

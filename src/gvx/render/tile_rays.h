@@ -7,6 +7,7 @@
 /// the other rays nor on the instruction set.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
 #include "gvx/exec/tile_grid.h"
@@ -27,7 +28,7 @@ struct TileRays {
   alignas(64) double enter[kMost];       ///< the visible volume
   alignas(64) double exit[kMost];        ///< no more than `enter`: has nothing to go through
   alignas(64) double world_origin[3][kMost];
-  alignas(64) float world_direction[3][kMost];
+  alignas(64) float to_eye[kMost][4];  ///< unit, in the world; x, y, z and 0
 
   /// Where the next step starts, and the zone that it is in (FrameView::Zone).
   alignas(64) double tick[kMost];
@@ -37,21 +38,14 @@ struct TileRays {
   alignas(64) std::int32_t zone[kMost];  ///< zone_number() of it
   alignas(64) double start[kMost];       ///< of the stretch that was gathered last
 
-  /// RayState.
-  alignas(64) float color[3][kMost];
-  alignas(64) float opacity[kMost];
-  alignas(64) std::int32_t samples[kMost];
+  /// RayState: red, green, blue, opacity.
+  alignas(64) float gathered[kMost][4];
+  std::int32_t samples[kMost];
 
   /// A zone's level and whether levels are blended in it.
   static std::int32_t zone_number(int level, bool blended) { return 2 * level + (blended ? 1 : 0); }
   /// Finds the zone of the step at a ray's tick.
   void find_zone(const FrameView& frame, std::uint32_t ray);
-};
-
-/// Some rays of a tile, in their order.
-struct RayList {
-  std::uint32_t size = 0;
-  alignas(64) std::int32_t ray[TileRays::kMost];
 };
 
 /// Rays (x, y) of a tile with x0 <= x <= x1 and y0 <= y <= y1.
@@ -63,11 +57,25 @@ struct TileRect {
 
 /// Which rays of a tile there are to march.
 struct ActiveRays {
-  std::uint16_t row[TileRays::kEdge] = {};  ///< a bit for each x
+  std::uint32_t row[TileRays::kEdge] = {};  ///< a bit for each x
 
   void set(std::uint32_t ray) { row[ray / TileRays::kEdge] |= bit(ray); }
   bool has(std::uint32_t ray) const { return (row[ray / TileRays::kEdge] & bit(ray)) != 0; }
-  void clear(std::uint32_t ray) { row[ray / TileRays::kEdge] &= static_cast<std::uint16_t>(~bit(ray)); }
+  void clear(std::uint32_t ray) { row[ray / TileRays::kEdge] &= ~bit(ray); }
+  std::uint32_t count() const {
+    int count = 0;
+    for (const std::uint32_t bits : row) count += std::popcount(bits);
+    return static_cast<std::uint32_t>(count);
+  }
+  /// Calls function(ray) for each.
+  template <typename Function>
+  void for_each(Function function) const {
+    for (std::uint32_t y = 0; y < TileRays::kEdge; ++y) {
+      for (std::uint32_t bits = row[y]; bits != 0; bits &= bits - 1) {
+        function(y * TileRays::kEdge + static_cast<std::uint32_t>(std::countr_zero(bits)));
+      }
+    }
+  }
   bool any_in(const TileRect& rect) const {
     std::uint32_t any = 0;
     for (int y = rect.y0; y <= rect.y1; ++y) any |= row[y];
@@ -75,9 +83,7 @@ struct ActiveRays {
   }
 
  private:
-  static std::uint16_t bit(std::uint32_t ray) {
-    return static_cast<std::uint16_t>(1u << ray % TileRays::kEdge);
-  }
+  static std::uint32_t bit(std::uint32_t ray) { return 1u << ray % TileRays::kEdge; }
 };
 
 /// A node in tree space.
@@ -124,9 +130,10 @@ class TileProjection {
   double diagonal_world_ = 0;  // of all of tree space, the longest
 };
 
-/// The rays through the pixels (x0 + i * apart, y0 + j * apart) for i below the tile's edge and j below
-/// `rows`; all rays of the tile are written.
-void set_up(const FrameView& frame, double x0, double y0, double apart, std::uint32_t rows, TileRays& rays);
+/// The rays through the pixels (x0 + i * apart, y0 + j * apart) for i and j below `edge`, which is the tile's or
+/// less; returns those that meet the visible volume.
+ActiveRays set_up(const FrameView& frame, double x0, double y0, double apart, std::uint32_t edge,
+                  TileRays& rays);
 
 /// Has any active ray some of this node before it?
 bool any_inside(const FrameView& frame, const TileRays& rays, const ActiveRays& active, const NodeBox& node,
@@ -146,11 +153,11 @@ struct StretchesWanted {
   BrickPlace fine, coarse;
 };
 
-/// Puts the stretches of rays through a node into the batch: their steps, where they go in the brick, and in
-/// the coarser one where the batch is blended, and what they have gathered. The rays are put behind them.
-/// Those that come to the end of their zone before the node are put into the next.
+/// Puts the stretches of rays through a node into the batch: their steps, and where they go in the brick, and in
+/// the coarser one where the batch is blended. The rays are put behind them. Those that come to the end of
+/// their zone before the node are put into the next.
 void gather_stretches(const FrameView& frame, const ActiveRays& active, const NodeBox& node,
                       const TileRect& rect, const StretchesWanted& wanted, TileRays& rays,
-                      StretchBatch& batch, RayList& list);
+                      StretchBatch& batch);
 
 }  // namespace gvx::render

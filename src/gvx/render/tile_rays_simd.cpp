@@ -60,56 +60,113 @@ HWY_INLINE void store(const Vec3v& v, double (&values)[3][TileRays::kMost], std:
   hn::Store(v.z, kDoubles, values[2] + lane);
 }
 
-/// CameraView::pixel_ray, and where the ray is in the visible volume (intersect of core/ray.h).
-void set_up_all(const FrameView& frame, double x0, double y0, double apart, std::uint32_t rows,
-                TileRays& rays) {
-  const scene::CameraView& camera = frame.camera;
-  constexpr std::size_t kEdge = exec::TileGrid::kTile;
-  for (std::size_t lane = 0; lane < rows * kEdge; lane += hn::Lanes(kDoubles)) {
-    const Double column = hn::Add(all(static_cast<double>(lane % kEdge)), hn::Iota(kDoubles, 0));
-    const Double x = hn::Add(all(x0), hn::Mul(column, all(apart)));
-    const std::size_t row = lane / kEdge;
-    const double y = y0 + static_cast<double>(row) * apart;
-    const Double right = hn::Mul(hn::Sub(hn::Add(x, all(0.5)), all(camera.half_width)), all(camera.pixel));
-    const Double up = all((camera.half_height - y - 0.5) * camera.pixel);
-    const Vec3v across = right * camera.right + up * camera.up;
-    Vec3v origin = constant(camera.eye), direction = constant(camera.forward);
-    if (camera.orthographic) {
-      origin = origin + across;
-    } else {
-      const Vec3v way = direction + across;
-      const Double square =
-          hn::Add(hn::Add(hn::Mul(way.x, way.x), hn::Mul(way.y, way.y)), hn::Mul(way.z, way.z));
-      const Double length = hn::Sqrt(square);
-      direction = {hn::Div(way.x, length), hn::Div(way.y, length), hn::Div(way.z, length)};
-    }
-    store(origin, rays.world_origin, lane);
-    hn::Store(to_floats(direction.x), kHalfFloats, rays.world_direction[0] + lane);
-    hn::Store(to_floats(direction.y), kHalfFloats, rays.world_direction[1] + lane);
-    hn::Store(to_floats(direction.z), kHalfFloats, rays.world_direction[2] + lane);
-    origin = vector(frame.world_to_tree, origin) + constant(frame.world_to_tree.origin);
-    direction = vector(frame.world_to_tree, direction);
-    store(origin, rays.origin, lane);
-    store(direction, rays.direction, lane);
-    Double enter = hn::Zero(kDoubles), exit = all(1e300);
-    Mask outside = hn::Lt(exit, enter);
-    const auto along = [&](Double o, Double d, int axis) HWY_ATTR {
-      const Double low = all(frame.box.minimum[axis]), high = all(frame.box.maximum[axis]);
-      const Double to_low = hn::Div(hn::Sub(low, o), d), to_high = hn::Div(hn::Sub(high, o), d);
-      const Mask still = hn::Eq(d, hn::Zero(kDoubles));
-      outside = hn::Or(outside, hn::And(still, hn::Or(hn::Lt(o, low), hn::Gt(o, high))));
-      enter = hn::IfThenElse(still, enter, hn::Max(enter, hn::Min(to_low, to_high)));
-      exit = hn::IfThenElse(still, exit, hn::Min(exit, hn::Max(to_low, to_high)));
-      // Finite, so that a face that the ray lies in gives 0 and not nothing.
-      hn::Store(hn::IfThenElse(still, all(1e300), hn::Div(all(1), d)), kDoubles, rays.inverse[axis] + lane);
-    };
-    along(origin.x, direction.x, 0);
-    along(origin.y, direction.y, 1);
-    along(origin.z, direction.z, 2);
-    outside = hn::Or(outside, hn::Not(hn::Lt(enter, exit)));
-    hn::Store(hn::IfThenElse(outside, all(1), enter), kDoubles, rays.enter + lane);
-    hn::Store(hn::IfThenElseZero(hn::Not(outside), exit), kDoubles, rays.exit + lane);
+using HalfFloat = hn::Vec<HalfFloats>;
+constexpr unsigned kAllLanes = (1u << hn::MaxLanes(kDoubles)) - 1;
+
+/// Of each lane in `taken` a row of the four vectors' numbers, `stride` floats from one to the next. One more
+/// row than is taken may be written.
+template <typename D = HalfFloats>
+HWY_INLINE void put_rows(const hn::Vec<D> (&v)[4], unsigned taken, float* rows, std::size_t stride) {
+  constexpr D d;
+#if HWY_TARGET != HWY_SCALAR
+  if constexpr (hn::MaxLanes(d) == 4) {
+    const hn::RepartitionToWide<D> pairs;
+    const auto a = hn::BitCast(pairs, hn::InterleaveLower(d, v[0], v[1])),
+               b = hn::BitCast(pairs, hn::InterleaveUpper(d, v[0], v[1]));
+    const auto e = hn::BitCast(pairs, hn::InterleaveLower(d, v[2], v[3])),
+               f = hn::BitCast(pairs, hn::InterleaveUpper(d, v[2], v[3]));
+    hn::StoreU(hn::BitCast(d, hn::InterleaveLower(pairs, a, e)), d, rows);
+    rows += (taken & 1) * stride;
+    hn::StoreU(hn::BitCast(d, hn::InterleaveUpper(pairs, a, e)), d, rows);
+    rows += (taken >> 1 & 1) * stride;
+    hn::StoreU(hn::BitCast(d, hn::InterleaveLower(pairs, b, f)), d, rows);
+    rows += (taken >> 2 & 1) * stride;
+    hn::StoreU(hn::BitCast(d, hn::InterleaveUpper(pairs, b, f)), d, rows);
+  } else if constexpr (hn::MaxLanes(d) == 8) {
+    const hn::Half<D> half;
+    const hn::Vec<decltype(half)> low[4] = {hn::LowerHalf(half, v[0]), hn::LowerHalf(half, v[1]),
+                                            hn::LowerHalf(half, v[2]), hn::LowerHalf(half, v[3])};
+    const hn::Vec<decltype(half)> high[4] = {hn::UpperHalf(half, v[0]), hn::UpperHalf(half, v[1]),
+                                             hn::UpperHalf(half, v[2]), hn::UpperHalf(half, v[3])};
+    put_rows<hn::Half<D>>(low, taken & 15, rows, stride);
+    put_rows<hn::Half<D>>(high, taken >> 4, rows + static_cast<unsigned>(std::popcount(taken & 15)) * stride,
+                          stride);
   }
+  if constexpr (hn::MaxLanes(d) >= 4) return;
+#endif
+  alignas(16) float part[4][hn::MaxLanes(d)];
+  for (int k = 0; k < 4; ++k) hn::Store(v[k], d, part[k]);
+  for (; taken != 0; taken &= taken - 1) {
+    for (int k = 0; k < 4; ++k) rows[k] = part[k][std::countr_zero(taken)];
+    rows += stride;
+  }
+}
+
+HWY_INLINE unsigned bits_of(Mask mask) {
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(kDoubles, mask, bits);
+  return bits[0];
+}
+
+/// CameraView::pixel_ray, and where the ray is in the visible volume (intersect of core/ray.h).
+ActiveRays set_up_all(const FrameView& frame, double x0, double y0, double apart, std::uint32_t edge,
+                      TileRays& rays) {
+  const scene::CameraView& camera = frame.camera;
+  ActiveRays meeting;
+  const Vec3d eye_tree = frame.world_to_tree.point(camera.eye);
+  for (std::uint32_t row = 0; row < edge; ++row) {
+    const double y = y0 + static_cast<double>(row) * apart;
+    const Double up = all((camera.half_height - y - 0.5) * camera.pixel);
+    for (std::uint32_t column = 0; column < edge; column += std::uint32_t{hn::MaxLanes(kDoubles)}) {
+      const std::size_t ray = row * TileRays::kEdge + column;
+      const Double i = hn::Add(all(static_cast<double>(column)), hn::Iota(kDoubles, 0));
+      const Double x = hn::Add(all(x0), hn::Mul(i, all(apart)));
+      const Double right = hn::Mul(hn::Sub(hn::Add(x, all(0.5)), all(camera.half_width)), all(camera.pixel));
+      const Vec3v across = right * camera.right + up * camera.up;
+      Vec3v origin = constant(camera.eye), direction = constant(camera.forward);
+      if (camera.orthographic) {
+        origin = origin + across;
+      } else {
+        const Vec3v way = direction + across;
+        const Double square =
+            hn::Add(hn::Add(hn::Mul(way.x, way.x), hn::Mul(way.y, way.y)), hn::Mul(way.z, way.z));
+        const Double length = hn::Sqrt(square);
+        direction = {hn::Div(way.x, length), hn::Div(way.y, length), hn::Div(way.z, length)};
+      }
+      store(origin, rays.world_origin, ray);
+      const HalfFloat to_eye[4] = {hn::Neg(to_floats(direction.x)), hn::Neg(to_floats(direction.y)),
+                                   hn::Neg(to_floats(direction.z)), hn::Zero(kHalfFloats)};
+      put_rows(to_eye, kAllLanes, &rays.to_eye[ray][0], 4);
+      origin = camera.orthographic
+                   ? vector(frame.world_to_tree, origin) + constant(frame.world_to_tree.origin)
+                   : constant(eye_tree);
+      direction = vector(frame.world_to_tree, direction);
+      store(origin, rays.origin, ray);
+      store(direction, rays.direction, ray);
+      Double enter = hn::Zero(kDoubles), exit = all(1e300);
+      Mask outside = hn::Lt(exit, enter);
+      const auto along = [&](Double o, Double d, int axis) HWY_ATTR {
+        const Double low = all(frame.box.minimum[axis]), high = all(frame.box.maximum[axis]);
+        const Mask still = hn::Eq(d, hn::Zero(kDoubles));
+        // Finite, so that a face that the ray lies in gives 0 and not nothing.
+        const Double inverse = hn::IfThenElse(still, all(1e300), hn::Div(all(1), d));
+        const Double to_low = hn::Mul(hn::Sub(low, o), inverse), to_high = hn::Mul(hn::Sub(high, o), inverse);
+        outside = hn::Or(outside, hn::And(still, hn::Or(hn::Lt(o, low), hn::Gt(o, high))));
+        enter = hn::IfThenElse(still, enter, hn::Max(enter, hn::Min(to_low, to_high)));
+        exit = hn::IfThenElse(still, exit, hn::Min(exit, hn::Max(to_low, to_high)));
+        hn::Store(inverse, kDoubles, rays.inverse[axis] + ray);
+      };
+      along(origin.x, direction.x, 0);
+      along(origin.y, direction.y, 1);
+      along(origin.z, direction.z, 2);
+      outside = hn::Or(outside, hn::Not(hn::Lt(enter, exit)));
+      hn::Store(hn::IfThenElse(outside, all(1), enter), kDoubles, rays.enter + ray);
+      hn::Store(hn::IfThenElseZero(hn::Not(outside), exit), kDoubles, rays.exit + ray);
+      meeting.row[row] |= bits_of(hn::Not(outside)) << column;
+    }
+    if (edge < TileRays::kEdge) meeting.row[row] &= (1u << edge) - 1;
+  }
+  return meeting;
 }
 
 /// Where a vector of rays is in a node: between these distances.
@@ -158,28 +215,60 @@ bool any_inside_of(const FrameView& frame, const TileRays& rays, const ActiveRay
   return any;
 }
 
-/// A brick's place as floats see it: first = p * scale - shift.
+/// Where in the world rays from `r` on are, and how far they go in a step.
+HWY_INLINE void put_places(const TileRays& rays, Double centre, Double t_step, std::size_t r, unsigned taken,
+                           float (*row)[8]) {
+  alignas(64) float lanes[3][hn::MaxLanes(kDoubles)];
+  for (std::size_t i = 0; i < hn::MaxLanes(kDoubles); ++i) {
+    for (int axis = 0; axis < 3; ++axis) lanes[axis][i] = -rays.to_eye[r + i][axis];
+  }
+  HalfFloat place[4], per_step[4];
+  for (int axis = 0; axis < 3; ++axis) {
+    const Double way = hn::PromoteTo(kDoubles, hn::Load(kHalfFloats, lanes[axis]));
+    const Double from = hn::Load(kDoubles, rays.world_origin[axis] + r);
+    place[axis] = to_floats(hn::Add(from, hn::Mul(centre, way)));
+    per_step[axis] = to_floats(hn::Mul(way, t_step));
+  }
+  place[3] = per_step[3] = hn::Zero(kHalfFloats);
+  put_rows(place, taken, *row, 8);
+  put_rows(per_step, taken, *row + 4, 8);
+}
+
+HWY_INLINE void put_lengths(hn::Vec<HalfInts> lengths, unsigned taken, std::uint8_t* to) {
+  alignas(64) std::int32_t lanes[hn::MaxLanes(kHalfInts)];
+  hn::Store(lengths, kHalfInts, lanes);
+  for (std::size_t i = 0; i < hn::MaxLanes(kHalfInts); ++i) {
+    *to = static_cast<std::uint8_t>(lanes[i]);
+    to += taken >> i & 1;
+  }
+}
+
+/// The places of rays from `r` on in a brick, and their fourths: what goes with them into a row.
 HWY_INLINE void put_path(const TileRays& rays, const Double (&p)[3], std::size_t r, Double t_step,
-                         const BrickPlace& place, double m, hn::Mask<HalfFloats> taken, std::size_t at,
-                         StretchBatch::Path& path) {
+                         const BrickPlace& place, double m, unsigned taken, HalfFloat fourth, HalfFloat eighth,
+                         float (*row)[8]) {
+  HalfFloat first[4], per_step[4];
   for (int axis = 0; axis < 3; ++axis) {
     const Double direction = hn::Load(kDoubles, rays.direction[axis] + r);
-    const Double first = hn::Mul(hn::Sub(hn::Mul(p[axis], all(place.across)), all(place.corner[axis])), all(m));
-    const Double per_step = hn::Mul(hn::Mul(hn::Mul(direction, t_step), all(place.across)), all(m));
-    hn::CompressStore(to_floats(first), taken, kHalfFloats, path.first[axis] + at);
-    hn::CompressStore(to_floats(per_step), taken, kHalfFloats, path.per_step[axis] + at);
+    const Double in_bricks = hn::Sub(hn::Mul(p[axis], all(place.across)), all(place.corner[axis]));
+    first[axis] = to_floats(hn::Mul(in_bricks, all(m)));
+    per_step[axis] = to_floats(hn::Mul(hn::Mul(hn::Mul(direction, t_step), all(place.across)), all(m)));
   }
+  first[3] = fourth;
+  per_step[3] = eighth;
+  put_rows(first, taken, *row, 8);
+  put_rows(per_step, taken, *row + 4, 8);
 }
 
 void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const NodeBox& node,
                          const TileRect& rect, const StretchesWanted& wanted, TileRays& rays,
-                         StretchBatch& batch, RayList& list) {
+                         StretchBatch& batch) {
   const double step_stride = static_cast<double>(frame.stride[wanted.step_level]);
   const Double half = all(0.5), one = all(1), tick_world = all(frame.tick_world);
   const Double t_step = all(frame.tick_world * step_stride);
   const double m = batch.m;
   const scene::Lighting& lighting = frame.lighting.lighting;
-  const bool lit = lighting.enabled, near_lights = lighting.has_points();
+  const bool near_lights = lighting.enabled && lighting.has_points();
   const bool one_origin = !frame.camera.orthographic;
   // FrameView::share_at is even in t.
   const double share_first = batch.blended ? frame.share_at(wanted.step_level, 0) : 0;
@@ -201,9 +290,7 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
       start = hn::Max(tick, hn::Mul(steps_before, stride));
       const Mask behind_zone = hn::And(inside, hn::Ge(start, zone_end));
       if (hn::AllFalse(kDoubles, behind_zone)) break;
-      std::uint8_t bits[8] = {};
-      hn::StoreMaskBits(kDoubles, behind_zone, bits);
-      for (unsigned left = bits[0]; left != 0; left &= left - 1) {
+      for (unsigned left = bits_of(behind_zone); left != 0; left &= left - 1) {
         const std::size_t ray = r + static_cast<std::size_t>(std::countr_zero(left));
         rays.tick[ray] = rays.zone_end[ray];
         rays.find_zone(frame, static_cast<std::uint32_t>(ray));
@@ -214,7 +301,8 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
     const Double steps_until = hn::Ceil(hn::Sub(hn::Mul(hn::Sub(t.out, enter), steps_per_t), half));
     Double end = hn::Min(hn::Mul(steps_until, stride), zone_end);
     taken = hn::And(taken, hn::Lt(start, end));
-    if (hn::AllFalse(kDoubles, taken)) return;
+    const unsigned taken_bits = bits_of(taken);
+    if (taken_bits == 0) return;
     const Double to_centre = hn::Mul(hn::Add(start, hn::Mul(half, stride)), tick_world);
     const Double centre = hn::Add(enter, to_centre);
     Double steps;
@@ -223,47 +311,31 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
     } else {
       steps = hn::Div(hn::Sub(end, start), stride);
     }
-    steps = hn::IfThenElseZero(taken, steps);
     end = hn::Add(start, hn::Mul(steps, all(step_stride)));
     hn::Store(hn::IfThenElse(taken, end, tick), kDoubles, rays.tick + r);
     hn::Store(start, kDoubles, rays.start + r);
 
-    const auto whole_steps = hn::DemoteTo(kHalfInts, steps);
-    const auto taken_ints = hn::Gt(whole_steps, hn::Zero(kHalfInts));
-    const auto taken_floats = hn::RebindMask(kHalfFloats, taken_ints);
-    const auto put = [&](hn::Vec<HalfFloats> values, float* to)
-                         HWY_ATTR { hn::CompressStore(values, taken_floats, kHalfFloats, to + count); };
     Double p[3];
     for (int axis = 0; axis < 3; ++axis) {
       const Double origin =
           one_origin ? all(rays.origin[axis][0]) : hn::Load(kDoubles, rays.origin[axis] + r);
       p[axis] = hn::Add(origin, hn::Mul(centre, hn::Load(kDoubles, rays.direction[axis] + r)));
     }
-    put_path(rays, p, r, t_step, wanted.fine, m, taken_floats, count, batch.fine);
-    if (batch.blended) {
-      put_path(rays, p, r, t_step, wanted.coarse, m, taken_floats, count, batch.coarse);
-      put(to_floats(hn::Add(all(share_first), hn::Mul(centre, all(share_slope)))), batch.blend);
-      put(to_floats(hn::Mul(t_step, all(share_slope))), batch.blend_per_step);
-    }
-    for (int c = 0; c < 3; ++c) put(hn::Load(kHalfFloats, rays.color[c] + r), batch.color[c]);
-    put(hn::Load(kHalfFloats, rays.opacity + r), batch.opacity);
-    if (lit) {
-      for (int axis = 0; axis < 3; ++axis) {
-        const auto direction = hn::Load(kHalfFloats, rays.world_direction[axis] + r);
-        put(hn::Neg(direction), batch.to_eye[axis]);
-        if (!near_lights) continue;
-        const Double way = hn::PromoteTo(kDoubles, direction);
-        const Double place = hn::Add(hn::Load(kDoubles, rays.world_origin[axis] + r), hn::Mul(centre, way));
-        put(to_floats(place), batch.place[axis]);
-        put(to_floats(hn::Mul(way, t_step)), batch.place_per_step[axis]);
-      }
-    }
-    hn::CompressStore(hn::Load(kHalfInts, rays.samples + r), taken_ints, kHalfInts, batch.samples + count);
     const auto numbers = hn::Iota(kHalfInts, static_cast<std::int32_t>(r));
-    hn::CompressStore(numbers, taken_ints, kHalfInts, list.ray + count);
-    count += hn::CompressStore(whole_steps, taken_ints, kHalfInts, batch.steps + count);
+    put_path(rays, p, r, t_step, wanted.fine, m, taken_bits, to_floats(steps),
+             hn::BitCast(kHalfFloats, numbers), batch.fine.row + count);
+    if (batch.blended) {
+      const Double blend = hn::Add(all(share_first), hn::Mul(centre, all(share_slope)));
+      const Double growth = hn::Mul(t_step, all(share_slope));
+      put_path(rays, p, r, t_step, wanted.coarse, m, taken_bits, to_floats(blend), to_floats(growth),
+               batch.coarse.row + count);
+    }
+    const auto lengths = hn::DemoteTo(kHalfInts, hn::Min(steps, all(255)));
+    put_lengths(lengths, taken_bits, batch.length + count);
+    if (near_lights) put_places(rays, centre, t_step, r, taken_bits, batch.place + count);
+    count += static_cast<std::size_t>(std::popcount(taken_bits));
   });
-  batch.count = list.size = static_cast<std::uint32_t>(count);
+  batch.count = static_cast<std::uint32_t>(count);
 }
 
 /// A rectangle is this much wider than its node, in rays: rounding must not make it lose one.
@@ -410,8 +482,9 @@ void TileProjection::project_children(Vec3d low, double edge, int n, Rects& rect
   HWY_DYNAMIC_DISPATCH(project_children_of)(*this, low, edge, n, rects);
 }
 
-void set_up(const FrameView& frame, double x0, double y0, double apart, std::uint32_t rows, TileRays& rays) {
-  HWY_DYNAMIC_DISPATCH(set_up_all)(frame, x0, y0, apart, rows, rays);
+ActiveRays set_up(const FrameView& frame, double x0, double y0, double apart, std::uint32_t edge,
+                  TileRays& rays) {
+  return HWY_DYNAMIC_DISPATCH(set_up_all)(frame, x0, y0, apart, edge, rays);
 }
 
 bool any_inside(const FrameView& frame, const TileRays& rays, const ActiveRays& active, const NodeBox& node,
@@ -421,8 +494,20 @@ bool any_inside(const FrameView& frame, const TileRays& rays, const ActiveRays& 
 
 void gather_stretches(const FrameView& frame, const ActiveRays& active, const NodeBox& node,
                       const TileRect& rect, const StretchesWanted& wanted, TileRays& rays,
-                      StretchBatch& batch, RayList& list) {
-  HWY_DYNAMIC_DISPATCH(gather_stretches_of)(frame, active, node, rect, wanted, rays, batch, list);
+                      StretchBatch& batch) {
+  HWY_DYNAMIC_DISPATCH(gather_stretches_of)(frame, active, node, rect, wanted, rays, batch);
+}
+
+void StretchBatch::put_in_order() {
+  std::uint16_t first[256] = {};
+  for (std::uint32_t i = 0; i < count; ++i) ++first[length[i]];
+  std::uint16_t sum = 0;
+  for (std::uint16_t& begin : first) {
+    const std::uint16_t here = begin;
+    begin = sum;
+    sum = static_cast<std::uint16_t>(sum + here);
+  }
+  for (std::uint32_t i = 0; i < count; ++i) order[first[length[i]]++] = static_cast<std::int32_t>(i);
 }
 
 }  // namespace gvx::render

@@ -15,7 +15,7 @@
 
 #include <hwy/highway.h>
 
-#include "gvx/render/sample_simd-inl.h"
+#include "gvx/render/batch_simd-inl.h"
 #include "gvx/scene/transfer_function.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -30,42 +30,6 @@ HWY_INLINE Matter select(Mask mask, const Matter& a, const Matter& b) {
   Matter m;
   for (int i = 0; i < 4; ++i) m.part[i] = hn::IfThenElse(mask, a.part[i], b.part[i]);
   return m;
-}
-
-/// Four 32-bit numbers of each lane, table + offset in bytes onwards: out[i] has the i-th of every lane. Rows
-/// are loaded whole and turned, which is several times as fast as gathering.
-HWY_INLINE void load_rows(const std::byte* table, const std::int32_t* offsets, Int out[4]) {
-#if HWY_TARGET == HWY_SCALAR
-  const auto* row = reinterpret_cast<const std::int32_t*>(table + offsets[0]);
-  for (std::size_t i = 0; i < 4; ++i) out[i] = hn::Set(kInts, row[i]);
-#else
-  const auto row = [&](std::size_t lane) HWY_ATTR {
-    const auto* numbers = reinterpret_cast<const std::int32_t*>(table + offsets[lane]);
-    return hn::Load(hn::Full128<std::int32_t>(), numbers);
-  };
-  Int part[4];
-  for (std::size_t i = 0; i < 4; ++i) {
-#if HWY_MAX_BYTES == 16
-    part[i] = row(i);
-#elif HWY_MAX_BYTES == 32
-    part[i] = hn::Combine(kInts, row(4 + i), row(i));
-#else
-    const hn::Half<Ints> half;
-    part[i] =
-        hn::Combine(kInts, hn::Combine(half, row(12 + i), row(8 + i)), hn::Combine(half, row(4 + i), row(i)));
-#endif
-  }
-  const hn::RepartitionToWide<Ints> pairs;
-  const auto pair = [&](Int v) HWY_ATTR { return hn::BitCast(pairs, v); };
-  const Int a = hn::InterleaveLower(kInts, part[0], part[1]),
-            b = hn::InterleaveUpper(kInts, part[0], part[1]);
-  const Int c = hn::InterleaveLower(kInts, part[2], part[3]),
-            d = hn::InterleaveUpper(kInts, part[2], part[3]);
-  out[0] = hn::BitCast(kInts, hn::InterleaveLower(pairs, pair(a), pair(c)));
-  out[1] = hn::BitCast(kInts, hn::InterleaveUpper(pairs, pair(a), pair(c)));
-  out[2] = hn::BitCast(kInts, hn::InterleaveLower(pairs, pair(b), pair(d)));
-  out[3] = hn::BitCast(kInts, hn::InterleaveUpper(pairs, pair(b), pair(d)));
-#endif
 }
 
 /// scene::TransferView::Reading.
@@ -86,11 +50,11 @@ class Function {
 
   HWY_INLINE Reading read(Float entry) const {
     const Float held = held_in_table(entry);
-    const Int low = hn::Min(hn::ConvertTo(kInts, held), all_ints(view_.entries - 2));
-    const Float weight = hn::Sub(held, hn::ConvertTo(kFloats, low));
+    const Float low = hn::Min(hn::Floor(held), all(static_cast<float>(view_.entries - 2)));
+    const Float weight = hn::Sub(held, low);
     const Float units = hn::Mul(weight, all(view_.integrals_per_unit));
     alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
-    hn::Store(offset_of(low), kInts, offsets);
+    store_offsets(offset_of(whole(low)), offsets);
     Int sum[4], density[4];
     load_rows(sums(), offsets, sum);
     load_rows(densities(), offsets, density);
@@ -133,7 +97,7 @@ class Function {
 
   HWY_INLINE Matter density_at(Float entry) const {
     alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
-    hn::Store(offset_of(hn::ConvertTo(kInts, held_in_table(entry))), kInts, offsets);
+    store_offsets(offset_of(whole(hn::Floor(held_in_table(entry)))), offsets);
     Int density[4];
     load_rows(densities(), offsets, density);
     Matter m;
@@ -142,7 +106,7 @@ class Function {
   }
 
   HWY_INLINE Int nearest(Float entry) const {
-    return hn::ConvertTo(kInts, held_in_table(hn::Add(entry, all(0.5f))));
+    return whole(hn::Floor(held_in_table(hn::Add(entry, all(0.5f)))));
   }
 
   HWY_INLINE Mask above_first(Float entry) const { return hn::Gt(entry, all(view_.first_visible)); }

@@ -1,0 +1,146 @@
+/// \file
+/// Rows of a StretchBatch side by side in vectors. Compiled once for each instruction set.
+
+// Passed as often as there are instruction sets, so no #pragma once.
+#if defined(GVX_RENDER_BATCH_SIMD_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef GVX_RENDER_BATCH_SIMD_INL_H
+#undef GVX_RENDER_BATCH_SIMD_INL_H
+#else
+#define GVX_RENDER_BATCH_SIMD_INL_H
+#endif
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include <hwy/highway.h>
+
+#include "gvx/render/sample_simd-inl.h"
+#include "gvx/render/stretch.h"
+#include "gvx/render/stretch_batch.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gvx::render::HWY_NAMESPACE {
+namespace {
+
+/// Four 32-bit numbers of each lane, table + offset in bytes onwards: out[i] has the i-th of every lane. Rows
+/// are loaded whole and turned, which is several times as fast as gathering.
+HWY_INLINE void load_rows(const std::byte* table, const std::int32_t* offsets, Int out[4]) {
+#if HWY_TARGET == HWY_SCALAR
+  const auto* row = reinterpret_cast<const std::int32_t*>(table + offsets[0]);
+  for (std::size_t i = 0; i < 4; ++i) out[i] = hn::Set(kInts, row[i]);
+#else
+  const auto row = [&](std::size_t lane) HWY_ATTR {
+    const auto* numbers = reinterpret_cast<const std::int32_t*>(table + offsets[lane]);
+    return hn::Load(hn::Full128<std::int32_t>(), numbers);
+  };
+  Int part[4];
+  for (std::size_t i = 0; i < 4; ++i) {
+#if HWY_MAX_BYTES == 16
+    part[i] = row(i);
+#elif HWY_MAX_BYTES == 32
+    part[i] = hn::Combine(kInts, row(4 + i), row(i));
+#else
+    const hn::Half<Ints> half;
+    part[i] =
+        hn::Combine(kInts, hn::Combine(half, row(12 + i), row(8 + i)), hn::Combine(half, row(4 + i), row(i)));
+#endif
+  }
+  const hn::RepartitionToWide<Ints> pairs;
+  const auto pair = [&](Int v) HWY_ATTR { return hn::BitCast(pairs, v); };
+  const Int a = hn::InterleaveLower(kInts, part[0], part[1]),
+            b = hn::InterleaveUpper(kInts, part[0], part[1]);
+  const Int c = hn::InterleaveLower(kInts, part[2], part[3]),
+            d = hn::InterleaveUpper(kInts, part[2], part[3]);
+  out[0] = hn::BitCast(kInts, hn::InterleaveLower(pairs, pair(a), pair(c)));
+  out[1] = hn::BitCast(kInts, hn::InterleaveUpper(pairs, pair(a), pair(c)));
+  out[2] = hn::BitCast(kInts, hn::InterleaveLower(pairs, pair(b), pair(d)));
+  out[3] = hn::BitCast(kInts, hn::InterleaveUpper(pairs, pair(b), pair(d)));
+#endif
+}
+
+/// A row of StretchBatch::Path, or of StretchBatch::place, of each lane.
+struct PathRows {
+  Vec3v first, per_step;
+  Float fourth, eighth;
+
+  PathRows() = default;
+  HWY_INLINE PathRows(const float (*rows)[8], const std::int32_t* offsets) {
+    const auto* bytes = reinterpret_cast<const std::byte*>(rows);
+    Int part[4];
+    load_rows(bytes, offsets, part);
+    first = vec3(part);
+    fourth = hn::BitCast(kFloats, part[3]);
+    load_rows(bytes + sizeof(float[4]), offsets, part);
+    per_step = vec3(part);
+    eighth = hn::BitCast(kFloats, part[3]);
+  }
+
+  HWY_INLINE static Vec3v vec3(const Int (&part)[4]) {
+    return {hn::BitCast(kFloats, part[0]), hn::BitCast(kFloats, part[1]), hn::BitCast(kFloats, part[2])};
+  }
+  HWY_INLINE Vec3v at(Float i) const { return along(first, per_step, i); }
+};
+
+/// As many rays of a batch as a vector has lanes, from place `lane` of its order on. Lanes behind the last
+/// hold it once more, with nothing before it.
+class BatchLanes {
+ public:
+  HWY_INLINE BatchLanes(const StretchBatch& batch, std::size_t lane)
+      : valid_(std::min(kLanes, batch.count - lane)) {
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const std::int32_t row = batch.order[lane + std::min(i, valid_ - 1)];
+      row_[i] = row * static_cast<std::int32_t>(sizeof(float[8]));
+      ray_[i] = static_cast<std::int32_t>(batch.ray(static_cast<std::uint32_t>(row)) * sizeof(float[4]));
+    }
+  }
+
+  HWY_INLINE PathRows fine(const StretchBatch& batch) const { return {batch.fine.row, row_}; }
+  HWY_INLINE PathRows coarse(const StretchBatch& batch) const { return {batch.coarse.row, row_}; }
+  HWY_INLINE PathRows places(const StretchBatch& batch) const { return {batch.place, row_}; }
+  HWY_INLINE Vec3v to_eye(const StretchBatch& batch) const {
+    Int part[4];
+    load_rows(reinterpret_cast<const std::byte*>(batch.to_eye), ray_, part);
+    return PathRows::vec3(part);
+  }
+  HWY_INLINE Float steps(const PathRows& fine) const {
+    const Float last = all(static_cast<float>(valid_));
+    return hn::IfThenElseZero(hn::Lt(hn::Iota(kFloats, 0), last), fine.fourth);
+  }
+
+  /// What the rays have gathered.
+  HWY_INLINE void load(const StretchBatch& batch, Vec3v& color, Float& opacity) const {
+    Int part[4];
+    load_rows(reinterpret_cast<const std::byte*>(batch.gathered), ray_, part);
+    color = PathRows::vec3(part);
+    opacity = hn::BitCast(kFloats, part[3]);
+  }
+  HWY_INLINE void store(StretchBatch& batch, const Vec3v& color, Float opacity, Int more_samples) const {
+    alignas(64) float lanes[4][kLanes];
+    alignas(64) std::int32_t samples[kLanes];
+    hn::Store(color.x, kFloats, lanes[0]);
+    hn::Store(color.y, kFloats, lanes[1]);
+    hn::Store(color.z, kFloats, lanes[2]);
+    hn::Store(opacity, kFloats, lanes[3]);
+    hn::Store(more_samples, kInts, samples);
+    for (std::size_t i = 0; i < valid_; ++i) {
+      const std::size_t ray = static_cast<std::size_t>(ray_[i]) / sizeof(float[4]);
+      for (std::size_t k = 0; k < 4; ++k) batch.gathered[ray][k] = lanes[k][i];
+      batch.samples[ray] += samples[i];
+      batch.opaque[batch.opaque_count] = static_cast<std::int32_t>(ray);
+      batch.opaque_count += lanes[3][i] >= kOpaque ? 1 : 0;
+    }
+  }
+
+ private:
+  static constexpr std::size_t kLanes = hn::MaxLanes(kFloats);
+
+  std::size_t valid_;
+  alignas(64) std::int32_t row_[kLanes], ray_[kLanes];  // offsets in bytes
+};
+
+}  // namespace
+}  // namespace gvx::render::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
