@@ -123,11 +123,6 @@ TEST(Vectors, of_every_voxel_type_and_arity) {
   }
 }
 
-TEST(Vectors, on_a_real_volume) {
-  if (test_data("volumes/nifti/osv_engine.nii.gz").empty()) GTEST_SKIP() << "GVX_TEST_DATA is not set";
-  expect_alike(file_scene("volumes/nifti/osv_engine.nii.gz", 16).value(), "engine");
-}
-
 /// Previews of all stages, as data comes: those of vectors and those of the plain march from the same memory.
 void expect_previews_alike(const TestScene& scene, const std::string& what) {
   constexpr double kLeast = 80;
@@ -195,6 +190,58 @@ void expect_previews_alike(const TestScene& scene, const std::string& what) {
   }
   EXPECT_GT(lacking, 100u) << what;
   EXPECT_GE(10 * std::log10(3 * double(drawn) / squares), kLeast) << what;
+}
+
+TEST(Vectors, in_every_mode) {
+  for (const VoxelType type : {VoxelType::u8, VoxelType::u16, VoxelType::f32}) {
+    const double most = type == VoxelType::u8 ? 255 : type == VoxelType::u16 ? 65535 : 1;
+    const Field field = [=](Vec3d p) {
+      return type == VoxelType::f32 ? waves(p) : std::round(most * waves(p));
+    };
+    TestScene scene =
+        planar_scene("vector_modes", {type, VoxelContent::scalar, 1}, {field}, {58, 50, 44}, 2, 8);
+    scene.view.isovalue = 0.62 * most;
+    scene.view.functions[0].opacities = {{0, 0.1}, {most, 0.9}};
+    scene.view.lighting.lights = 1;
+    scene.view.lighting.light[0] = {scene::LightKind::point, {20, 5, 90}, {1, 0.9f, 0.8f}};
+    for (const auto& [mode, name] : {std::pair(scene::Mode::maximum, "maximum"),
+                                     {scene::Mode::minimum, "minimum"},
+                                     {scene::Mode::mean, "mean"},
+                                     {scene::Mode::isosurface, "isosurface"}}) {
+      const std::string what = std::string(voxel_name(type)) + " " + name;
+      TestScene seen = scene;
+      seen.view.mode = mode;
+      expect_alike_as_classified(seen, what);
+      seen.view.camera.eye =
+          seen.view.camera.target + 3.0 * (seen.view.camera.eye - seen.view.camera.target);
+      expect_alike_as_classified(seen, what + ", far");
+      if (type == VoxelType::u8) expect_previews_alike(seen, what);
+    }
+  }
+}
+
+TEST(Vectors, of_every_content) {
+  const auto scaled = [](auto field) { return [field](Vec3d p) { return std::round(255 * field(p)); }; };
+  TestScene scene = planar_scene("vector_channels", {VoxelType::u8, VoxelContent::scalar, 2},
+                                 {scaled(ball), scaled(waves)}, {50, 44, 40}, 2, 8);
+  scene.view.functions = {{{{0, {1, 0.4, 0.2}}}, {{90, 0}, {230, 0.3}}, 0},
+                          {{{0, {0.2, 0.6, 1}}}, {{90, 0}, {230, 0.3}}, 0}};
+  expect_alike(scene, "two channels");
+  scene.view.mode = scene::Mode::maximum;
+  expect_alike_as_classified(scene, "two channels, maximum");
+  scene = planar_scene("vector_labels", {VoxelType::u8, VoxelContent::labels, 1},
+                       {[](Vec3d p) { return std::floor(4 * waves(p)); }}, {50, 44, 40}, 2, 8);
+  scene.view.functions = {scene::label_colors(4)};
+  expect_alike_as_classified(scene, "labels");
+  expect_previews_alike(scene, "labels");
+  scene = planar_scene("vector_colors", {VoxelType::u8, VoxelContent::color, 4},
+                       {scaled(waves), scaled(ball), scaled(waves), scaled(waves)}, {50, 44, 40}, 2, 8);
+  expect_alike_as_classified(scene, "colours");
+}
+
+TEST(Vectors, on_a_real_volume) {
+  if (test_data("volumes/nifti/osv_engine.nii.gz").empty()) GTEST_SKIP() << "GVX_TEST_DATA is not set";
+  expect_alike(file_scene("volumes/nifti/osv_engine.nii.gz", 16).value(), "engine");
 }
 
 TEST(Vectors, draw_the_previews_that_one_ray_at_a_time_draws) {

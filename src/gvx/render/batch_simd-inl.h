@@ -82,14 +82,32 @@ struct PathRows {
   HWY_INLINE Vec3v at(Float i) const { return along(first, per_step, i); }
 };
 
+HWY_INLINE Float share_to_face(Float from, Float way) {
+  const Float zero = hn::Zero(kFloats), one = all(1);
+  const Float low = hn::Floor(from);
+  const Float to_face = hn::Sub(hn::IfThenElse(hn::Gt(way, zero), hn::Add(low, one), low), from);
+  const Mask still = hn::Eq(way, zero);
+  return hn::IfThenElse(still, one, hn::Div(to_face, hn::IfThenElse(still, one, way)));
+}
+/// Stretch::held_in_voxel.
+HWY_INLINE Float held_in_voxel(const PathRows& path, Float centre, Float i) {
+  const Vec3v from = path.at(centre);
+  const Float way = hn::Sub(i, centre);
+  Float share = all(1);
+  share = hn::Min(share, share_to_face(from.x, hn::Mul(way, path.per_step.x)));
+  share = hn::Min(share, share_to_face(from.y, hn::Mul(way, path.per_step.y)));
+  share = hn::Min(share, share_to_face(from.z, hn::Mul(way, path.per_step.z)));
+  return hn::MulAdd(share, way, centre);
+}
+
 /// As many rays of a batch as a vector has lanes, from place `lane` of its order on. Lanes behind the last
 /// hold it once more, with nothing before it.
 class BatchLanes {
  public:
   HWY_INLINE BatchLanes(const StretchBatch& batch, std::size_t lane)
-      : valid_(std::min(kLanes, batch.count - lane)) {
+      : valid_(lane < batch.count ? std::min(kLanes, batch.count - lane) : 0) {
     for (std::size_t i = 0; i < kLanes; ++i) {
-      const std::int32_t row = batch.order[lane + std::min(i, valid_ - 1)];
+      const std::int32_t row = batch.order[std::min<std::size_t>(lane + i, batch.count - 1)];
       row_[i] = row * static_cast<std::int32_t>(sizeof(float[8]));
       ray_[i] = static_cast<std::int32_t>(batch.ray(static_cast<std::uint32_t>(row)) * sizeof(float[4]));
     }
@@ -106,6 +124,14 @@ class BatchLanes {
   HWY_INLINE Float steps(const PathRows& fine) const {
     const Float last = all(static_cast<float>(valid_));
     return hn::IfThenElseZero(hn::Lt(hn::Iota(kFloats, 0), last), fine.fourth);
+  }
+
+  HWY_INLINE Mask without_samples(const StretchBatch& batch) const {
+    alignas(64) std::int32_t samples[kLanes];
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      samples[i] = batch.samples[static_cast<std::size_t>(ray_[i]) / sizeof(float[4])];
+    }
+    return hn::RebindMask(kFloats, hn::Eq(hn::Load(kInts, samples), hn::Zero(kInts)));
   }
 
   /// What the rays have gathered.

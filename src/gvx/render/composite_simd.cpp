@@ -286,7 +286,7 @@ class Composite {
     }
     Shade light{{one, one, one}, {zero, zero, zero}};
     const bool lit = frame_.lighting.lighting.enabled;
-    if (lit) light = shade_at(held_in_voxel(span.centre, hn::MulAdd(seen_at, span.length, span.begin)));
+    if (lit) light = shade_at(held_in_voxel(fine_, span.centre, hn::MulAdd(seen_at, span.length, span.begin)));
     for (int part = 0; part < count; ++part) {
       const Matter& m = matter[part];
       // Lanes of no concern may hold anything: they are kept out by selection, not by a weight of 0.
@@ -307,24 +307,6 @@ class Composite {
     const Float more = lit ? hn::MulAdd(weight, glint, hn::MulAdd(hn::Mul(of_color, color), body, sum))
                            : hn::MulAdd(of_color, color, sum);
     return hn::IfThenElse(seen, more, sum);
-  }
-
-  /// Stretch::held_in_voxel.
-  HWY_INLINE Float held_in_voxel(Float centre, Float i) const {
-    const Vec3v from = fine_.at(centre);
-    const Float way = hn::Sub(i, centre);
-    Float share = all(1);
-    share = hn::Min(share, share_to_face(from.x, hn::Mul(way, fine_.per_step.x)));
-    share = hn::Min(share, share_to_face(from.y, hn::Mul(way, fine_.per_step.y)));
-    share = hn::Min(share, share_to_face(from.z, hn::Mul(way, fine_.per_step.z)));
-    return hn::MulAdd(share, way, centre);
-  }
-  HWY_INLINE static Float share_to_face(Float from, Float way) {
-    const Float zero = hn::Zero(kFloats), one = all(1);
-    const Float low = hn::Floor(from);
-    const Float to_face = hn::Sub(hn::IfThenElse(hn::Gt(way, zero), hn::Add(low, one), low), from);
-    const Mask still = hn::Eq(way, zero);
-    return hn::IfThenElse(still, one, hn::Div(to_face, hn::IfThenElse(still, one, way)));
   }
 
   /// RayView::shade at place i.

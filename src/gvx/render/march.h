@@ -9,14 +9,9 @@
 
 #include <cmath>
 #include <cstdint>
-#include <type_traits>
 
-#include "gvx/render/classified.h"
-#include "gvx/render/composite.h"
 #include "gvx/render/frame.h"
-#include "gvx/render/isosurface.h"
-#include "gvx/render/post_classified.h"
-#include "gvx/render/projection.h"
+#include "gvx/render/gather.h"
 #include "gvx/render/ray_state.h"
 #include "gvx/render/stretch.h"
 #include "gvx/render/tree_walk.h"
@@ -38,7 +33,7 @@ class RayMarcher {
   /// Goes on until the ray is finished or lacks data, which it then asks for.
   GVX_HD void march_exact(RayState& state) const {
     Stretch<Voxel, M> stretch;
-    while (next_stretch(state, stretch)) gather(state, stretch);
+    while (next_stretch(state, stretch)) gather_stretch(ray_view(), stretch, state);
   }
 
   /// Leaps to the ray's next stretch within a brick and puts the state behind it: what is seen there is still
@@ -82,7 +77,7 @@ class RayMarcher {
         if (place.lack != 0) place = walk_.stand_in(place);
       }
       Stretch<Voxel, M> stretch;
-      if (take(state, step, place, stretch)) gather(state, stretch);
+      if (take(state, step, place, stretch)) gather_stretch(ray_view(), stretch, state);
     }
     pixel.color = state.color;
     pixel.opacity = state.opacity;
@@ -125,24 +120,11 @@ class RayMarcher {
 
   GVX_HD RayView ray_view() const { return {view_.frame, ray_world_, -Vec3f(ray_world_.direction)}; }
 
-  GVX_HD bool projects() const {
-    const scene::Mode mode = view_.frame.visibility.mode;
-    return mode != scene::Mode::composite && mode != scene::Mode::isosurface;
-  }
+  GVX_HD bool projects() const { return render::projects(view_.frame); }
 
   GVX_HD void finish(RayState& state) const {
     state.phase = RayPhase::finished;
     if (projects()) finish_projection(ray_view(), static_cast<float>(state.tick), state);
-  }
-
-  /// Can nothing below a node change what a projecting ray has gathered?
-  GVX_HD bool outdone_node(NodeIndex node, RayState& state) const {
-    if (!projects()) return false;
-    bool all = true;
-    for (std::uint32_t c = 0; c < view_.frame.visibility.channels; ++c) {
-      all = all && outdone(view_.frame.visibility.mode, state, c, view_.nodes.range_of(node, c));
-    }
-    return all;
   }
 
   GVX_HD Place descend(const Step& step, RayState& state) const {
@@ -153,7 +135,7 @@ class RayMarcher {
           cell_along(step.p[axis], view_.frame.box.minimum[axis], view_.frame.last_inside[axis], across);
     }
     return walk_.to(step.level, step.blended, cell,
-                    [&](NodeIndex node) { return outdone_node(node, state); });
+                    [&](NodeIndex node) { return outdone(view_.frame, view_.nodes, node, state); });
   }
 
   /// Moves the ray behind all steps whose centres are in the node. True where they are in a brick: then
@@ -184,23 +166,13 @@ class RayMarcher {
     constexpr std::int64_t kMostInBrick = 1 << 22;
     if (place.kind == Place::brick) steps = steps < kMostInBrick ? steps : kMostInBrick;
     state.tick += steps * stride;
-    if (place.kind == Place::constant) gather_constant(state, place, step.level, steps);
+    if (place.kind == Place::constant) {
+      gather_constant(ray_view(), walk_.ranges_of(place), step.level, steps, state);
+    }
     if (place.kind != Place::brick) return false;
     walk_.touch_bricks(place);
     stretch = stretch_of(step, place, step_level, t_step, steps);
     return true;
-  }
-
-  GVX_HD void gather_constant(RayState& state, const Place& place, int level, std::int64_t steps) const {
-    const FrameView& frame = view_.frame;
-    const ChannelRanges values = walk_.ranges_of(place);
-    if (frame.format.content == VoxelContent::labels) {
-      composite_label(ray_view(), values.channel[0].minimum, level, steps, state);
-    } else if (projects()) {
-      project_constant(ray_view(), values, level, steps, state);
-    } else if (frame.visibility.mode == scene::Mode::composite) {
-      composite_constant(ray_view(), values, level, steps, state);
-    }
   }
 
   /// The path of the steps' centres through a brick of `level` that holds the node.
@@ -230,23 +202,6 @@ class RayMarcher {
     s.blended = place.blended;
     if (s.blended) s.coarse = path_in(place.parent_slot, place.level - 1, step, place, t_step);
     return s;
-  }
-
-  GVX_HD void gather(RayState& state, const Stretch<Voxel, M>& s) const {
-    const FrameView& frame = view_.frame;
-    const RayView ray = ray_view();
-    if constexpr (std::is_same_v<Voxel, std::uint8_t>) {
-      if (frame.format.content == VoxelContent::color) return composite_colors<false>(ray, s, state);
-      if (frame.format.content == VoxelContent::color_normal) return composite_colors<true>(ray, s, state);
-    }
-    if constexpr (!std::is_same_v<Voxel, float>) {
-      if (frame.format.content == VoxelContent::labels) return composite_labels(ray, s, state);
-    }
-    if (projects()) return project_stretch(ray, s, state);
-    if (frame.visibility.mode == scene::Mode::isosurface) return find_surface(ray, s, state);
-    if (frame.classification == scene::Classification::post) return composite_post(ray, s, state);
-    if (frame.visibility.channels == 1) return composite_scalars<1>(ray, s, state);
-    composite_scalars<kMaxChannels>(ray, s, state);
   }
 
   const PassView<Voxel, N, M>& view_;

@@ -82,4 +82,10 @@ void composite_batch(const FrameView& frame, StretchBatch& batch);
 /// The same by post-classification (post_classified.h), in frames that have step_colors.
 void composite_post_batch(const FrameView& frame, StretchBatch& batch);
 
+/// Takes the values of scalars of one to four channels into what projecting rays have gathered (projection.h).
+void project_batch(const FrameView& frame, StretchBatch& batch);
+
+/// Finds the first place where a scalar is the isovalue, and lights it (isosurface.h).
+void find_surface_batch(const FrameView& frame, StretchBatch& batch);
+
 }  // namespace gvx::render

@@ -37,6 +37,7 @@ struct TileRays {
   alignas(64) double zone_end[kMost];
   alignas(64) std::int32_t zone[kMost];  ///< zone_number() of it
   alignas(64) double start[kMost];       ///< of the stretch that was gathered last
+  alignas(64) double centre[kMost];      ///< t of its first step's
 
   /// RayState: red, green, blue, opacity.
   alignas(64) float gathered[kMost][4];

@@ -292,7 +292,8 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
       if (hn::AllFalse(kDoubles, behind_zone)) break;
       for (unsigned left = bits_of(behind_zone); left != 0; left &= left - 1) {
         const std::size_t ray = r + static_cast<std::size_t>(std::countr_zero(left));
-        rays.tick[ray] = rays.zone_end[ray];
+        // Longer steps of a stand-in may have gone beyond it.
+        rays.tick[ray] = std::fmax(rays.tick[ray], rays.zone_end[ray]);
         rays.find_zone(frame, static_cast<std::uint32_t>(ray));
       }
     }
@@ -314,6 +315,7 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
     end = hn::Add(start, hn::Mul(steps, all(step_stride)));
     hn::Store(hn::IfThenElse(taken, end, tick), kDoubles, rays.tick + r);
     hn::Store(start, kDoubles, rays.start + r);
+    hn::Store(centre, kDoubles, rays.centre + r);
 
     Double p[3];
     for (int axis = 0; axis < 3; ++axis) {

@@ -1,0 +1,9 @@
+// The march of tiles of volumes of std::uint16_t.
+
+#include "gvx/render/tile_marcher.h"
+
+namespace gvx::render {
+
+GVX_INSTANTIATE_TILE_MARCH(, std::uint16_t)
+
+}  // namespace gvx::render

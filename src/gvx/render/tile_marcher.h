@@ -1,0 +1,711 @@
+/// \file
+/// TileMarcher: the march of tile_march.h, as a template over the voxel type; each tile_march_*.cpp instantiates
+/// one type. Private to this room.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cstring>
+
+#include "gvx/core/result.h"
+#include "gvx/exec/parallel.h"
+#include "gvx/render/gather.h"
+#include "gvx/render/march.h"
+#include "gvx/render/march_view.h"
+#include "gvx/render/stretch_batch.h"
+#include "gvx/render/tile_rays.h"
+#include "gvx/render/visible_cells.h"
+
+namespace gvx::render {
+
+/// What a tile's march works in, for whichever tree; some hundred KB, so each thread keeps its own.
+struct Workspace {
+  TileRays rays;
+  StretchBatch batch;
+  PreviewPixel pixel[TileRays::kMost];  // their counts
+};
+
+inline Workspace& this_threads_workspace() {
+  thread_local Workspace workspace;
+  return workspace;
+}
+
+/// Which vectors gather from a batch; none: one ray at a time does.
+enum class Vectors { none, composite, composite_post, project, find_surface };
+
+inline Vectors vectors_for(const FrameView& frame) {
+  const scene::Visibility& visibility = frame.visibility;
+  if (composites_batches(frame)) {
+    const bool post = frame.classification == scene::Classification::post;
+    return post ? Vectors::composite_post : Vectors::composite;
+  }
+  if (frame.format.content != VoxelContent::scalar) return Vectors::none;
+  if (projects(frame)) return Vectors::project;
+  return visibility.mode == scene::Mode::isosurface ? Vectors::find_surface : Vectors::none;
+}
+
+template <typename Voxel, int N, int M>
+class TileMarcher {
+ public:
+  /// The rays through the pixels (x0 + i * apart, y0 + j * apart), i and j below `edge`, all at their start;
+  /// `preview`: they make do with what is resident. A thread has one at a time.
+  TileMarcher(const PassView<Voxel, N, M>& view, const TileProjection& projection, double x0, double y0,
+              double apart, std::uint32_t edge, bool preview)
+      : view_(view),
+        walk_(view),
+        preview_(preview),
+        zones_(view.frame.fixed_blend < 0 && view.frame.lod_distance[0] < 1e300),
+        blends_(view.frame.format.content != VoxelContent::labels),
+        projects_(render::projects(view.frame)),
+        vectors_(vectors_for(view.frame)),
+        projection_(projection),
+        work_(this_threads_workspace()) {
+    const FrameView& frame = view.frame;
+    TileRays& rays = work_.rays;
+    active_ = set_up(frame, x0, y0, apart, edge, rays);
+    projection_.begin_tile(x0, y0);
+    eye_tree_ = frame.world_to_tree.point(frame.camera.eye);
+    if (frame.camera.orthographic) {
+      const Vec3d forward = frame.world_to_tree.vector(frame.camera.forward);
+      for (int axis = 0; axis < 3; ++axis) eye_tree_[axis] = forward[axis] > 0 ? -1e300 : 1e300;
+    }
+    const std::size_t many = edge * TileRays::kEdge;
+    std::fill_n(rays.tick, many, 0.0);
+    std::memset(rays.gathered, 0, many * sizeof(rays.gathered[0]));
+    std::memset(rays.samples, 0, many * sizeof(rays.samples[0]));
+    if (preview) std::fill_n(work_.pixel, many, PreviewPixel());
+    if (zones_) {
+      for (std::uint32_t ray = 0; ray < many; ++ray) {
+        if (active_.has(ray)) rays.find_zone(frame, ray);
+      }
+    } else {
+      rays.find_zone(frame, 0);
+      std::fill_n(rays.zone, many, rays.zone[0]);
+      std::fill_n(rays.stride, many, rays.stride[0]);
+      std::fill_n(rays.steps_per_t, many, rays.steps_per_t[0]);
+      std::fill_n(rays.zone_end, many, rays.zone_end[0]);
+    }
+    if (projects_) leave_out_stubs();
+    StretchBatch& batch = work_.batch;
+    batch.m = M;
+    batch.to_eye = rays.to_eye;
+    batch.gathered = rays.gathered;
+    batch.samples = rays.samples;
+  }
+
+  /// Ray `index` goes on from where it was.
+  void resume(std::uint32_t index, const RayState& state) {
+    work_.rays.tick[index] = static_cast<double>(state.tick);
+    put(index, state);
+    if (zones_) work_.rays.find_zone(view_.frame, index);
+    resumed_ = resumed_ || state.tick > 0;
+  }
+  /// No other rays than these take part.
+  void leave_out_all_but(const ActiveRays& rays) {
+    for (std::uint32_t y = 0; y < TileRays::kEdge; ++y) {
+      for (std::uint32_t out = active_.row[y] & ~rays.row[y]; out != 0; out &= out - 1) {
+        work_.rays.exit[y * TileRays::kEdge + static_cast<std::uint32_t>(std::countr_zero(out))] = -1;
+      }
+      active_.row[y] &= rays.row[y];
+    }
+  }
+
+  /// Marches until no ray has anything to go through, or the deadline.
+  void march(exec::Deadline deadline) {
+    deadline_ = deadline;
+    left_ = active_.count();
+    const ActiveRays begun = active_;
+    if (left_ > 0) visit(At(), TileRect());
+    if (projects_ && !stopped_) {
+      begun.for_each([&](std::uint32_t ray) {
+        if (!blocked_.has(ray)) finish_projecting(ray);
+      });
+    }
+  }
+
+  /// Is the ray so short that it has no step, but must have a value all the same? Another must march it.
+  bool is_stub(std::uint32_t index) const { return projects_ && stubs_.has(index); }
+  /// Where ray `index` is now.
+  RayState state_of(std::uint32_t index) const {
+    const TileRays& rays = work_.rays;
+    RayState state;
+    state.tick = static_cast<std::int64_t>(rays.tick[index]);
+    const float(&gathered)[4] = rays.gathered[index];
+    state.color = {gathered[0], gathered[1], gathered[2]};
+    state.opacity = gathered[3];
+    state.samples = static_cast<std::uint32_t>(rays.samples[index]);
+    const bool goes_on = blocked_.has(index) || (stopped_ && active_.has(index));
+    state.phase = goes_on ? RayPhase::under_way : RayPhase::finished;
+    return state;
+  }
+  /// What a preview of it shows.
+  PreviewPixel pixel(std::uint32_t index) const {
+    PreviewPixel pixel = work_.pixel[index];
+    const float(&gathered)[4] = work_.rays.gathered[index];
+    pixel.color = {gathered[0], gathered[1], gathered[2]};
+    pixel.opacity = gathered[3];
+    return pixel;
+  }
+
+ private:
+  /// A node on the way down.
+  struct At {
+    NodeIndex node, parent;
+    int level = 0;
+    double across = 1;  // nodes of that level along an axis
+    Vec3d cell;         // in nodes of its level
+    int ancestor_level = -1;
+    BrickIndex ancestor_slot;  // of the finest node above that has a brick
+  };
+  /// The levels that steps within a node may be of.
+  struct Levels {
+    int finest, coarsest;
+    double nearest = 0, farthest = 0;  // distances of the node
+  };
+
+  void leave_out_stubs() {
+    TileRays& rays = work_.rays;
+    active_.for_each([&](std::uint32_t ray) {
+      const double centre = rays.enter[ray] + 0.5 * rays.stride[ray] * view_.frame.tick_world;
+      if (centre < rays.exit[ray]) return;
+      stubs_.set(ray);
+      active_.clear(ray);
+      rays.exit[ray] = -1;
+    });
+  }
+
+  /// Goes through a node and all below it, nearest first, with the rays of a rectangle, which may meet it.
+  void visit(const At& at, const TileRect& rect) {
+    const FrameView& frame = view_.frame;
+    const tree::ChildWord child = view_.nodes.child[at.node.value];
+    if (child.transparent()) return;
+    const NodeBox box{at.cell / at.across, (at.cell + Vec3d(1)) / at.across};
+    for (int axis = 0; axis < 3; ++axis) {
+      if (box.high[axis] <= frame.box.minimum[axis] || box.low[axis] >= frame.box.maximum[axis]) return;
+    }
+    if (projects_ && all_outdone(at.node, rect)) return;
+    // Rays that go on have passed the nodes before: these are neither kept nor asked for.
+    if (resumed_ && !any_inside(frame, work_.rays, active_, box, rect)) return;
+    view_.tile_usage.touch(at.node.value / (N * N * N), view_.pass);
+    const tree::ContentWord content = view_.nodes.content[at.node.value];
+    Place place = place_at(at);
+    const Levels levels = levels_in(box);
+    if (content.kind() == tree::ContentKind::constant) {
+      place.kind = Place::constant;
+      return go_through(place, box, rect, levels, levels.finest, levels.coarsest);
+    }
+    const bool has_brick = content.kind() == tree::ContentKind::brick;
+    if (levels.finest > at.level && !child.terminal()) {
+      At within = at;
+      within.parent = at.node;
+      if (has_brick) {
+        within.ancestor_level = at.level;
+        within.ancestor_slot = content.brick();
+      }
+      if (child.has_children()) {
+        visit_children(within, child.children(), box, rect);
+      } else {
+        place = place_at(within);
+        place.lack = cache::kNeedsChildren;
+        go_through(place, box, rect, levels, levels.finest, at.level + 1);
+        place = place_at(at);
+      }
+      if (stopped_ || levels.coarsest > at.level) return;
+    }
+    place.kind = has_brick ? Place::brick : Place::nothing;
+    place.lack = has_brick ? 0 : cache::kNeedsBrick;
+    place.slot = content.brick();
+    place.brick_level = at.level;
+    go_through(place, box, rect, levels, child.terminal() ? levels.finest : at.level, at.level);
+  }
+
+  void visit_children(const At& within, TileIndex tile, const NodeBox& box, const TileRect& rect) {
+    At child = within;
+    child.level = within.level + 1;
+    child.across = within.across * N;
+    typename TileProjection::Rects rects;
+    projection_.project_children(box.low, 1 / child.across, N, rects);
+    int order[3][N];
+    for (int axis = 0; axis < 3; ++axis) {
+      order_along(eye_tree_[axis] * child.across - within.cell[axis] * N, order[axis]);
+    }
+    for (const int z : order[2]) {
+      for (const int y : order[1]) {
+        for (const int x : order[0]) {
+          const auto index = static_cast<std::uint32_t>(x + N * (y + N * z));
+          TileRect met = rects[index];
+          met = {std::max(met.x0, rect.x0), std::min(met.x1, rect.x1), std::max(met.y0, rect.y0),
+                 std::min(met.y1, rect.y1)};
+          if (met.empty() || !active_.any_in(met)) continue;
+          child.node = NodeIndex(tile.value * (N * N * N) + index);
+          child.cell = {within.cell.x * N + x, within.cell.y * N + y, within.cell.z * N + z};
+          visit(child, met);
+          if (stopped_ || left_ == 0) return;
+        }
+      }
+    }
+  }
+
+  /// Children along an axis, those nearer to the eye first; it is at `eye`, in children.
+  static void order_along(double eye, int (&order)[N]) {
+    const int first = eye < 1 ? 0 : eye >= N - 1 ? N - 1 : static_cast<int>(eye);
+    int count = 0;
+    order[count++] = first;
+    for (int step = 1; step < N; ++step) {
+      if (first - step >= 0) order[count++] = first - step;
+      if (first + step < N) order[count++] = first + step;
+    }
+  }
+
+  Place place_at(const At& at) const {
+    Place place;
+    place.node = at.node;
+    place.parent = at.parent;
+    place.level = at.level;
+    place.across = at.across;
+    place.cell = at.cell;
+    place.ancestor_level = at.ancestor_level;
+    place.ancestor_slot = at.ancestor_slot;
+    return place;
+  }
+
+  /// Certain not to leave out any: a zone may begin and end up to a step late.
+  Levels levels_in(const NodeBox& box) const {
+    const FrameView& frame = view_.frame;
+    if (frame.fixed_blend >= 0) return {frame.fixed_level, frame.fixed_level};
+    if (!zones_) return {frame.max_level, frame.max_level};
+    const TileProjection::Distances t = projection_.distances(box);
+    Levels levels{frame.max_level, frame.max_level, t.nearest, t.farthest};
+    while (levels.finest > 0 && t.nearest > zone_ends(levels.finest - 1)) --levels.finest;
+    while (levels.coarsest > 0 && t.farthest >= zone_begins(levels.coarsest - 1)) --levels.coarsest;
+    return levels;
+  }
+  double zone_begins(int level) const { return (1 - 1e-9) * view_.frame.lod_distance[level]; }
+  /// Up to where rays may not have noticed yet that the zone of `level` has begun.
+  double zone_ends(int level) const {
+    const FrameView& frame = view_.frame;
+    return (1 + 1e-9) * frame.lod_distance[level] +
+           2 * static_cast<double>(frame.stride[level]) * frame.tick_world;
+  }
+  bool may_be_zone(int level, bool blended, const Levels& levels) const {
+    const FrameView& frame = view_.frame;
+    if (level == 0 || !blends_) return !blended;
+    if (frame.fixed_blend >= 0) return blended == (frame.fixed_blend > 0);
+    if (!zones_) return !blended;
+    if (level < frame.max_level) return blended;
+    return blended ? levels.farthest >= zone_begins(level) : levels.nearest <= zone_ends(level);
+  }
+
+  /// All steps of levels from `finest` to `coarsest`: a ray comes from finer ones to coarser ones.
+  void go_through(const Place& place, const NodeBox& box, const TileRect& rect, const Levels& levels,
+                  int finest, int coarsest) {
+    for (int level = finest; level >= coarsest; --level) {
+      for (const bool blended : {false, true}) {
+        if (stopped_ || !may_be_zone(level, blended, levels)) continue;
+        go_through(place, box, rect, level, blended);
+      }
+    }
+  }
+
+  /// Those of one zone.
+  void go_through(Place place, const NodeBox& box, const TileRect& rect, int level, bool blended) {
+    if (blended && place.kind != Place::constant && place.level == level) {
+      place.blended = place.ancestor_level == level - 1;
+      place.lacks_coarse = !place.blended;
+      place.parent_slot = place.ancestor_slot;
+    }
+    const bool stops = place.lacks() && !preview_;
+    const Place shown = place.lack != 0 && preview_ ? walk_.stand_in(place) : place;
+    StretchesWanted wanted;
+    wanted.zone = TileRays::zone_number(level, blended);
+    wanted.coarser = shown.coarser_than(level);
+    wanted.step_level = wanted.coarser ? shown.brick_level : level;
+    work_.batch.blended = false;
+    const bool is_brick = shown.kind == Place::brick && !stops;
+    const bool seen = is_brick && prepare(shown, level, wanted);
+    // Cells that cannot be seen are nobody's business, unless rays are counted or have passed them.
+    if (is_brick && !seen && !preview_ && !resumed_) return walk_.touch_bricks(shown);
+    StretchBatch& batch = work_.batch;
+    gather_stretches(view_.frame, active_, box, rect, wanted, work_.rays, batch);
+    if (projects_) drop_outdone(place.node);
+    if (batch.count == 0) return;
+    if (place.lacks()) {
+      float least_opacity = 1;
+      for (std::uint32_t i = 0; i < batch.count; ++i) {
+        least_opacity = std::min(least_opacity, work_.rays.gathered[batch.ray(i)][3]);
+      }
+      walk_.ask(place, 1 - least_opacity);
+      if (stops) return block();
+      walk_.ask_for_own(place);
+    }
+    if (preview_) count_wanted(place, level);
+    if (shown.kind == Place::constant) gather_constants(shown, level);
+    if (!is_brick) return;
+    walk_.touch_bricks(shown);
+    if (!seen) return;
+    gather(shown, wanted, level);
+    // Beginning a tile costs something: one that was begun comes a good part further.
+    constexpr int kLeastBatches = 32;
+    stopped_ = ++batches_ >= kLeastBatches && exec::late(deadline_);
+  }
+
+  /// From the batch's stretches.
+  void gather(const Place& place, const StretchesWanted& wanted, int level) {
+    const FrameView& frame = view_.frame;
+    StretchBatch& batch = work_.batch;
+    if (vectors_ == Vectors::none) return gather_ray_by_ray(place, wanted, level);
+    batch.put_in_order();
+    switch (vectors_) {
+      case Vectors::composite:
+        composite_batch(frame, batch);
+        break;
+      case Vectors::composite_post:
+        composite_post_batch(frame, batch);
+        break;
+      case Vectors::project:
+        return project_batch(frame, batch);
+      default:
+        find_surface_batch(frame, batch);
+    }
+    for (std::uint32_t i = 0; i < batch.opaque_count; ++i) retire(static_cast<std::uint32_t>(batch.opaque[i]));
+  }
+
+  void gather_ray_by_ray(const Place& place, const StretchesWanted& wanted, int level) {
+    const FrameView& frame = view_.frame;
+    const StretchBatch& batch = work_.batch;
+    const auto voxels_across = [&](int of_level) {
+      return static_cast<float>(BrickCorner<N>(place, of_level).across * M);
+    };
+    Stretch<Voxel, M> s;
+    s.level = wanted.step_level;
+    s.t_step = frame.tick_world * static_cast<double>(frame.stride[wanted.step_level]);
+    s.fine.brick = view_.bricks.brick(place.slot);
+    s.fine.voxels_across = voxels_across(place.brick_level);
+    s.fine_deviates = place.brick_level < frame.max_level && place.brick_level == level;
+    s.blended = place.blended;
+    if (s.blended) {
+      s.coarse.brick = view_.bricks.brick(place.parent_slot);
+      s.coarse.voxels_across = voxels_across(place.level - 1);
+    }
+    for (std::uint32_t i = 0; i < batch.count; ++i) {
+      const std::uint32_t ray = batch.ray(i);
+      s.steps = static_cast<std::int64_t>(batch.steps(i));
+      s.t_centre = work_.rays.centre[ray];
+      put_path(batch.fine.row[i], s.fine);
+      if (s.blended) put_path(batch.coarse.row[i], s.coarse);
+      RayState state = state_of(ray);
+      state.phase = RayPhase::under_way;
+      gather_stretch(ray_view(ray), s, state);
+      put(ray, state);
+      if (state.phase == RayPhase::finished) retire(ray);
+    }
+  }
+  static void put_path(const float (&row)[8], BrickPath<Voxel, M>& path) {
+    path.first = {row[0], row[1], row[2]};
+    path.per_step = {row[4], row[5], row[6]};
+  }
+  RayView ray_view(std::uint32_t ray) const {
+    const TileRays& rays = work_.rays;
+    const float(&to_eye)[4] = rays.to_eye[ray];
+    const Vec3f towards(to_eye[0], to_eye[1], to_eye[2]);
+    const Vec3d origin(rays.world_origin[0][ray], rays.world_origin[1][ray], rays.world_origin[2][ray]);
+    return {view_.frame, {origin, -Vec3d(towards)}, towards};
+  }
+
+  /// Can nothing below a node change what any ray of a rectangle has gathered?
+  bool all_outdone(NodeIndex node, const TileRect& rect) const {
+    for (int y = rect.y0; y <= rect.y1; ++y) {
+      for (int x = rect.x0; x <= rect.x1; ++x) {
+        const auto ray = static_cast<std::uint32_t>(y) * TileRays::kEdge + static_cast<std::uint32_t>(x);
+        if (active_.has(ray) && !is_outdone(node, ray)) return false;
+      }
+    }
+    return true;
+  }
+  bool is_outdone(NodeIndex node, std::uint32_t ray) const {
+    RayState state = state_of(ray);
+    return outdone(view_.frame, view_.nodes, node, state);
+  }
+  /// Takes those rays out of the batch to which a node can bring nothing.
+  void drop_outdone(NodeIndex node) {
+    StretchBatch& batch = work_.batch;
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < batch.count; ++i) {
+      if (is_outdone(node, batch.ray(i))) continue;
+      std::copy_n(batch.fine.row[i], 8, batch.fine.row[kept]);
+      if (batch.blended) std::copy_n(batch.coarse.row[i], 8, batch.coarse.row[kept]);
+      batch.length[kept++] = batch.length[i];
+    }
+    batch.count = kept;
+  }
+
+  void count_wanted(const Place& place, int level) {
+    const std::uint32_t lack = place.lack != 0 ? place.lack_of(level) : 0;
+    for (std::uint32_t i = 0; i < work_.batch.count; ++i) {
+      PreviewPixel& pixel = work_.pixel[work_.batch.ray(i)];
+      ++pixel.wanted;
+      pixel.resident += place.lacks() ? 0 : 1;
+      pixel.worst_lack = std::max(pixel.worst_lack, lack);
+    }
+  }
+
+  /// Makes the batch ready for a place's brick; false where nothing of that can be seen.
+  bool prepare(const Place& place, int level, StretchesWanted& wanted) {
+    const FrameView& frame = view_.frame;
+    StretchBatch& batch = work_.batch;
+    batch.units = frame.units_per_tick * static_cast<float>(frame.stride[wanted.step_level]);
+    batch.level = wanted.step_level;
+    batch.blended = place.blended;
+    wanted.fine = path_of(place, place.slot, place.brick_level, batch.fine);
+    // Far coarser than wanted, deviations are of more than a step can tell apart: they would show fog.
+    batch.fine.deviates = place.brick_level < frame.max_level && place.brick_level == level;
+    batch.fine.gradient_scale = frame.gradient_scale[wanted.step_level];
+    if (place.blended) {
+      wanted.coarse = path_of(place, place.parent_slot, place.level - 1, batch.coarse);
+      batch.coarse.deviates = true;
+      batch.coarse.gradient_scale = frame.gradient_scale[wanted.step_level - 1];
+    }
+    const bool post = frame.classification == scene::Classification::post;
+    const bool composites = vectors_ == Vectors::composite || vectors_ == Vectors::composite_post;
+    const bool alone = composites && !place.blended && (post || !batch.fine.deviates);
+    batch.cells = alone ? cells_of(place.slot) : ~std::uint64_t(0);
+    return batch.cells != 0;
+  }
+
+  /// The rays of the list stop before what they were to go through.
+  void block() {
+    for (std::uint32_t i = 0; i < work_.batch.count; ++i) {
+      const std::uint32_t ray = work_.batch.ray(i);
+      work_.rays.tick[ray] = work_.rays.start[ray];
+      blocked_.set(ray);
+      retire(ray);
+    }
+  }
+
+  /// Makes a colour of what a ray has gathered on all its way.
+  void finish_projecting(std::uint32_t ray) {
+    const FrameView& frame = view_.frame;
+    TileRays& rays = work_.rays;
+    double end;
+    while (true) {
+      const double steps = (rays.exit[ray] - rays.enter[ray]) * rays.steps_per_t[ray];
+      end = std::max(rays.tick[ray], std::ceil(steps - 0.5) * rays.stride[ray]);
+      if (end < rays.zone_end[ray]) break;
+      rays.tick[ray] = std::max(rays.tick[ray], rays.zone_end[ray]);
+      rays.find_zone(frame, ray);
+    }
+    RayState state = state_of(ray);
+    finish_projection(ray_view(ray), static_cast<float>(end), state);
+    put(ray, state);
+  }
+
+  /// The ray has nothing more to do in this pass.
+  void retire(std::uint32_t ray) {
+    work_.rays.exit[ray] = -1;
+    active_.clear(ray);
+    --left_;
+  }
+
+  void gather_constants(const Place& place, int level) {
+    const ChannelRanges values = walk_.ranges_of(place);
+    TileRays& rays = work_.rays;
+    for (std::uint32_t i = 0; i < work_.batch.count; ++i) {
+      const std::uint32_t ray = work_.batch.ray(i);
+      RayState state = state_of(ray);
+      state.phase = RayPhase::under_way;
+      const double steps = (rays.tick[ray] - rays.start[ray]) / rays.stride[ray];
+      gather_constant(ray_view(ray), values, level, static_cast<std::int64_t>(steps), state);
+      put(ray, state);
+      if (state.phase == RayPhase::finished) retire(ray);
+    }
+  }
+
+  void put(std::uint32_t ray, const RayState& state) {
+    float(&gathered)[4] = work_.rays.gathered[ray];
+    for (int c = 0; c < 3; ++c) gathered[c] = state.color[c];
+    gathered[3] = state.opacity;
+    work_.rays.samples[ray] = static_cast<std::int32_t>(state.samples);
+  }
+
+  std::uint64_t cells_of(BrickIndex slot) const {
+    return view_.cells.of(slot, [&] {
+      const scene::TransferView& function = view_.frame.visibility.functions[0];
+      // A pre-integrated step may go from one cell to another, and through all that is between their values.
+      const bool post = view_.frame.classification == scene::Classification::post;
+      return visible_cells<M>(view_.bricks.brick(slot).voxels, [&](ValueRange values) {
+        return post ? function.transparent(values) : function.below_visible(values);
+      });
+    });
+  }
+
+  BrickPlace path_of(const Place& place, BrickIndex slot, int level, StretchBatch::Path& path) const {
+    path.brick = reinterpret_cast<const std::byte*>(view_.bricks.brick(slot).voxels);
+    const BrickCorner<N> at(place, level);
+    return {at.across, at.corner};
+  }
+
+  const PassView<Voxel, N, M>& view_;
+  const TreeWalk<Voxel, N, M> walk_;
+  const bool preview_;
+  const bool zones_;   // there are several along a ray
+  const bool blends_;  // levels
+  const bool projects_;
+  const Vectors vectors_;
+  TileProjection projection_;
+  Vec3d eye_tree_;
+  Workspace& work_;
+  ActiveRays active_, blocked_, stubs_;
+  std::uint32_t left_ = 0;  // active ones
+  bool resumed_ = false;    // some ray was on its way before
+  bool stopped_ = false;    // by the deadline
+  int batches_ = 0;
+  exec::Deadline deadline_;
+};
+
+/// The part of a tile that is in the picture.
+struct TilePart {
+  std::uint32_t x0, y0, width, height;
+
+  TilePart(exec::TileGrid grid, std::uint32_t tile)
+      : x0(tile % grid.tiles_x() * grid.tile),
+        y0(tile / grid.tiles_x() * grid.tile),
+        width(std::min(grid.tile, grid.width - x0)),
+        height(std::min(grid.tile, grid.height - y0)) {}
+
+  /// Calls function(i, x, y) for each of its rays; i is the ray's place among those of the tile.
+  template <typename Function>
+  void for_rays(Function function) const {
+    for (std::uint32_t j = 0; j < height; ++j) {
+      for (std::uint32_t i = 0; i < width; ++i) function(j * TileRays::kEdge + i, x0 + i, y0 + j);
+    }
+  }
+};
+
+template <typename Voxel, int N, int M>
+bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, const Pass& pass,
+                 exec::TileGrid grid, exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
+                 exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
+  std::atomic<bool> all_begun{true};
+  const TileProjection projection(view.frame, 1);
+  exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
+    if (exec::late(deadline)) {
+      all_begun.store(false, std::memory_order_relaxed);
+      return;
+    }
+    const TilePart part(grid, tiles[t]);
+    const auto index_of = [&](std::uint32_t x, std::uint32_t y) { return std::size_t(y) * grid.width + x; };
+    const auto index_of_ray = [&](std::uint32_t i) {
+      return index_of(part.x0 + i % TileRays::kEdge, part.y0 + i / TileRays::kEdge);
+    };
+    ActiveRays marching, resuming;
+    bool all_finished = true;
+    part.for_rays([&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
+      const RayState& ray = rays[index_of(x, y)];
+      const bool begun = ray.epoch == pass.epoch;
+      if (begun && ray.phase == RayPhase::finished) return;
+      all_finished = false;
+      if (pass.lone_ray != Pass::kAllRays && pass.lone_ray != index_of(x, y)) return;
+      marching.set(i);
+      if (begun) resuming.set(i);
+    });
+    // A tile that is finished must cost next to nothing, or short frames end in it.
+    if (all_finished) return;
+    exec::store_relaxed(&unfinished[tiles[t]], 1);
+    if (marching.count() == 0) return;
+    TileMarcher<Voxel, N, M> marcher(view, projection, part.x0, part.y0, 1, grid.tile, false);
+    marcher.leave_out_all_but(marching);
+    resuming.for_each([&](std::uint32_t i) { marcher.resume(i, rays[index_of_ray(i)]); });
+    marcher.march(deadline);
+    bool finished = marching.count() == part.width * part.height;
+    marching.for_each([&](std::uint32_t i) {
+      RayState& ray = rays[index_of_ray(i)];
+      if (marcher.is_stub(i)) {
+        if (ray.epoch != pass.epoch) ray = RayState{};
+        const double x = part.x0 + i % TileRays::kEdge, y = part.y0 + i / TileRays::kEdge;
+        RayMarcher<Voxel, N, M>(view, x, y).march_exact(ray);
+      } else {
+        ray = marcher.state_of(i);
+      }
+      ray.epoch = pass.epoch;
+      finished = finished && ray.phase == RayPhase::finished;
+    });
+    if (finished) exec::store_relaxed(&unfinished[tiles[t]], 0);
+  });
+  return all_begun.load();
+}
+
+template <typename Voxel, int N, int M>
+bool preview_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, const Pass& pass,
+                   exec::TileGrid grid, exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
+                   std::uint32_t block, std::uint32_t generation, exec::BufferView<const RayState> rays,
+                   exec::BufferView<PreviewPixel> pixels) {
+  std::atomic<bool> all_done{true};
+  const TileProjection projection(view.frame, double(block));
+  exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
+    if (exec::late(deadline)) {
+      all_done.store(false, std::memory_order_relaxed);
+      return;
+    }
+    const TilePart part(grid, tiles[t]);
+    const auto index_of = [&](std::uint32_t x, std::uint32_t y) {
+      return std::size_t(y) * block * view.frame.width + std::size_t(x) * block;
+    };
+    const auto is_drawn = [&](std::size_t pixel) {
+      return (rays[pixel].epoch == pass.epoch && rays[pixel].phase == RayPhase::finished) ||
+             (pixels[pixel].epoch == pass.epoch && pixels[pixel].generation == generation);
+    };
+    ActiveRays missing;
+    part.for_rays([&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
+      if (!is_drawn(index_of(x, y))) missing.set(i);
+    });
+    if (missing.count() == 0) return;
+    TileMarcher<Voxel, N, M> marcher(view, projection, double(part.x0) * block, double(part.y0) * block,
+                                     double(block), grid.tile, true);
+    marcher.leave_out_all_but(missing);
+    // A preview's ray cannot stop half way.
+    marcher.march(exec::no_deadline());
+    missing.for_each([&](std::uint32_t i) {
+      const std::uint32_t x = part.x0 + i % TileRays::kEdge, y = part.y0 + i / TileRays::kEdge;
+      PreviewPixel& pixel = pixels[index_of(x, y)];
+      if (marcher.is_stub(i)) {
+        pixel = RayMarcher<Voxel, N, M>(view, double(x) * block, double(y) * block).march_preview();
+      } else {
+        pixel = marcher.pixel(i);
+      }
+      pixel.epoch = pass.epoch;
+      pixel.generation = generation;
+    });
+  });
+  return all_done.load();
+}
+
+/// march_tiles for the pass's N and M.
+template <typename Voxel>
+bool march_tiles_of(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
+                    exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
+                    exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
+  return with_view<Voxel>(pass, [&](const auto& view) {
+    return march_tiles(cpu, view, pass, grid, tiles, deadline, rays, unfinished);
+  });
+}
+
+template <typename Voxel>
+bool preview_tiles_of(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
+                      exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
+                      std::uint32_t block, std::uint32_t generation, exec::BufferView<const RayState> rays,
+                      exec::BufferView<PreviewPixel> pixels) {
+  return with_view<Voxel>(pass, [&](const auto& view) {
+    return preview_tiles(cpu, view, pass, grid, tiles, deadline, block, generation, rays, pixels);
+  });
+}
+
+#define GVX_INSTANTIATE_TILE_MARCH(PREFIX, VOXEL)                                                             \
+  PREFIX template bool march_tiles_of<VOXEL>(                                                                 \
+      const exec::Device&, const Pass&, exec::TileGrid, exec::BufferView<const std::uint32_t>, exec::Deadline, \
+      exec::BufferView<RayState>, exec::BufferView<std::uint32_t>);                                           \
+  PREFIX template bool preview_tiles_of<VOXEL>(                                                               \
+      const exec::Device&, const Pass&, exec::TileGrid, exec::BufferView<const std::uint32_t>, exec::Deadline, \
+      std::uint32_t, std::uint32_t, exec::BufferView<const RayState>, exec::BufferView<PreviewPixel>);
+
+}  // namespace gvx::render
