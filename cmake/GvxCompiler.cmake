@@ -9,8 +9,10 @@ if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
 endif()
 find_program(GVX_CCACHE ccache)
 if(GVX_CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${GVX_CCACHE})
-  set(CMAKE_CUDA_COMPILER_LAUNCHER ${GVX_CCACHE})
+  # What one clone has compiled another need not.
+  set(launcher ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${GVX_CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${launcher})
+  set(CMAKE_CUDA_COMPILER_LAUNCHER ${launcher})
 endif()
 
 # Without contraction a picture is the same bits in every build of one instruction set.

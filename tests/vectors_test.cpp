@@ -99,6 +99,7 @@ TEST(Vectors, show_what_one_ray_at_a_time_shows) {
     v.lighting.light[0] = {scene::LightKind::point, {20, 5, 90}, {1, 0.5f, 0.2f}};
     v.lighting.light[1] = {scene::LightKind::directional, {0, 1, 1}, {0.2f, 0.5f, 1}};
   });
+  variant("by gradient", [](auto& v) { v.functions[0].gradients = {{0, 0}, {0.02, 0.2}, {0.1, 1}}; });
   variant("flat highlights", [](auto& v) { v.lighting.shininess = 0; });
 }
 
@@ -212,8 +213,7 @@ TEST(Vectors, in_every_mode) {
       TestScene seen = scene;
       seen.view.mode = mode;
       expect_alike_as_classified(seen, what);
-      seen.view.camera.eye =
-          seen.view.camera.target + 3.0 * (seen.view.camera.eye - seen.view.camera.target);
+      seen.view.camera.eye = seen.view.camera.target + 3.0 * (seen.view.camera.eye - seen.view.camera.target);
       expect_alike_as_classified(seen, what + ", far");
       if (type == VoxelType::u8) expect_previews_alike(seen, what);
     }

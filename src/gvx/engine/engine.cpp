@@ -18,6 +18,8 @@ constexpr std::chrono::microseconds kLeastWork(200);
 // late ones are forgotten over some frames.
 constexpr int kMostOfBudget = 4;
 constexpr int kFramesToForget = 16;
+// And by one in so many parts in any case: those that end late are few then.
+constexpr int kSpareOfBudget = 32;
 // The finest of a preview's stages that are drawn again while data comes in, and in how many frames of a
 // view.
 constexpr std::uint32_t kCoarseBlock = 8;
@@ -313,7 +315,8 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   // However short the budget, each frame gets somewhere.
   const exec::Deadline wanted = frame_start_ + budget;
   overshoot_ = std::min(overshoot_, budget / kMostOfBudget);
-  const exec::Deadline deadline = std::max(wanted - overshoot_, Clock::now() + kLeastWork);
+  const exec::Deadline deadline =
+      std::max(wanted - overshoot_ - budget / kSpareOfBudget, Clock::now() + kLeastWork);
   // A picture at rest that is drawn already is refreshed with what came since, for a part of the time; not
   // where the refresh would push out what exact rays wait for.
   const bool refreshing = preview_.complete() && data_came_ && !crowded_;

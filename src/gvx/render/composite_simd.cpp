@@ -39,7 +39,8 @@ class Composite {
         edge_(static_cast<int>(batch.m)),
         fine_(lanes_.fine(batch)),
         coarse_(!kPlain && batch.blended ? lanes_.coarse(batch) : fine_),
-        to_eye_(frame.lighting.lighting.enabled ? lanes_.to_eye(batch) : fine_.first) {
+        to_eye_(frame.lighting.lighting.enabled ? lanes_.to_eye(batch) : fine_.first),
+        by_gradient_(frame.visibility.functions[0].gradient_factor != nullptr) {
     lanes_.load(batch, color_, opacity_);
     if (frame.lighting.lighting.enabled) halfways_.find(frame.lighting, to_eye_);
   }
@@ -111,9 +112,7 @@ class Composite {
   /// Somewhere below all that is seen: where the cells' masks say so, nothing is sampled.
   static constexpr float kBelow = -1e30f;
   HWY_INLINE static Place below() { return {all(kBelow), hn::Zero(kFloats)}; }
-  HWY_INLINE Mask may_be_seen(Float i) const {
-    return in_visible_cell(batch_.cells, edge_, fine_.at(i));
-  }
+  HWY_INLINE Mask may_be_seen(Float i) const { return in_visible_cell(batch_.cells, edge_, fine_.at(i)); }
 
   /// Span.
   struct Span {
@@ -286,7 +285,18 @@ class Composite {
     }
     Shade light{{one, one, one}, {zero, zero, zero}};
     const bool lit = frame_.lighting.lighting.enabled;
-    if (lit) light = shade_at(held_in_voxel(fine_, span.centre, hn::MulAdd(seen_at, span.length, span.begin)));
+    if (lit || by_gradient_) {
+      const Float at = held_in_voxel(fine_, span.centre, hn::MulAdd(seen_at, span.length, span.begin));
+      const Slope slope = slope_at(at);
+      if (lit) light = shade_at(at, slope);
+      if (by_gradient_) {
+        const Float depth = hn::Mul(hn::Mul(units, share), factor_of(slope));
+        for (int part = 0; part < count; ++part) {
+          const Float seen = opacity_of(hn::Mul(matter[part].part[3], depth));
+          opacity[part] = hn::IfThenElseZero(hn::Lt(all(static_cast<float>(part)), parts), seen);
+        }
+      }
+    }
     for (int part = 0; part < count; ++part) {
       const Matter& m = matter[part];
       // Lanes of no concern may hold anything: they are kept out by selection, not by a weight of 0.
@@ -309,21 +319,43 @@ class Composite {
     return hn::IfThenElse(seen, more, sum);
   }
 
-  /// RayView::shade at place i.
-  GVX_PIECE Shade shade_at(Float i) const {
-    Vec3v g = gradient(texels(batch_.fine), edge_, fine_.at(i));
-    Float scale = all(batch_.fine.gradient_scale);
+  /// The gradient, in stored values a voxel of the levels that are blended.
+  struct Slope {
+    Vec3v gradient;
+    Float blend;
+  };
+  HWY_NOINLINE Slope slope_at(Float i) const {
+    Slope slope{gradient(texels(batch_.fine), edge_, fine_.at(i)), hn::Zero(kFloats)};
     if constexpr (!kPlain) {
       if (batch_.blended) {
-        const Float blend = blend_at(i);
+        slope.blend = blend_at(i);
         const Vec3v coarse = gradient(texels(batch_.coarse), edge_, coarse_.at(i));
-        g = {mix(g.x, coarse.x, blend), mix(g.y, coarse.y, blend), mix(g.z, coarse.z, blend)};
-        scale = mix(scale, all(batch_.coarse.gradient_scale), blend);
+        Vec3v& g = slope.gradient;
+        g = {mix(g.x, coarse.x, slope.blend), mix(g.y, coarse.y, slope.blend),
+             mix(g.z, coarse.z, slope.blend)};
       }
     }
-    return shade(
-        frame_, scaled(all(1 / frame_.soft_gradient[0]), g), scale, to_eye_, halfways_,
-        [&]() HWY_ATTR { return lanes_.places(batch_).at(i); });
+    return slope;
+  }
+
+  /// RayView::shade at place i.
+  HWY_NOINLINE Shade shade_at(Float i, const Slope& slope) const {
+    Float scale = all(batch_.fine.gradient_scale);
+    if constexpr (!kPlain) {
+      if (batch_.blended) scale = mix(scale, all(batch_.coarse.gradient_scale), slope.blend);
+    }
+    return shade(frame_, scaled(all(1 / frame_.soft_gradient[0]), slope.gradient), scale, to_eye_, halfways_,
+                 [&]() HWY_ATTR { return lanes_.places(batch_).at(i); });
+  }
+
+  /// TransferView::factor_of_gradient.
+  HWY_NOINLINE Float factor_of(const Slope& slope) const {
+    Float voxels = all(batch_.fine.voxels_across);
+    if constexpr (!kPlain) {
+      if (batch_.blended) voxels = mix(voxels, all(batch_.coarse.voxels_across), slope.blend);
+    }
+    const Vec3v world = to_world(frame_, slope.gradient);
+    return function_.factor_of_gradient(hn::Mul(hn::Sqrt(dot(world, world)), voxels));
   }
 
   const FrameView& frame_;
@@ -333,6 +365,7 @@ class Composite {
   const int edge_;
   const PathRows fine_, coarse_;
   const Vec3v to_eye_;
+  const bool by_gradient_;
   Halfways halfways_;
   Vec3v color_;
   Float opacity_;
@@ -382,7 +415,7 @@ HWY_EXPORT(composite_f32);
 bool composites_batches(const FrameView& frame) {
   const scene::Visibility& visibility = frame.visibility;
   return frame.format.content == VoxelContent::scalar && visibility.mode == scene::Mode::composite &&
-         visibility.channels == 1 && visibility.functions[0].gradient_factor == nullptr &&
+         visibility.channels == 1 &&
          (frame.classification == scene::Classification::preintegrated || frame.step_colors != nullptr);
 }
 

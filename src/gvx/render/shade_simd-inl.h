@@ -49,7 +49,17 @@ HWY_INLINE Float power_of(Float base, float exponent) {
   return hn::Exp(kFloats, hn::Mul(all(exponent), hn::Log(kFloats, hn::Max(base, all(kLeast)))));
 }
 
-/// What of shading is the same all along a ray: the directions half way between the eye and lights that are far.
+/// A gradient of tree space in the world.
+HWY_INLINE Vec3v to_world(const FrameView& frame, const Vec3v& gradient) {
+  const auto along_axis = [&](int axis) HWY_ATTR {
+    const Vec3f column(frame.world_to_tree.column[axis]);
+    return dot({all(column.x), all(column.y), all(column.z)}, gradient);
+  };
+  return {along_axis(0), along_axis(1), along_axis(2)};
+}
+
+/// What of shading is the same all along a ray: the directions half way between the eye and lights that are
+/// far.
 class Halfways {
  public:
   HWY_INLINE void find(const scene::LightingView& lighting, const Vec3v& to_eye) {
@@ -78,11 +88,7 @@ HWY_INLINE Shade shade(const FrameView& frame, const Vec3v& gradient, Float scal
   const Float zero = hn::Zero(kFloats), one = all(1);
   const Float steep2 = hn::Min(hn::Mul(hn::Mul(scale, scale), dot(gradient, gradient)), all(1e30f));
   const Float certainty = hn::Div(steep2, hn::Add(steep2, one));
-  const auto to_world = [&](int axis) HWY_ATTR {
-    const Vec3f column(frame.world_to_tree.column[axis]);
-    return dot({all(column.x), all(column.y), all(column.z)}, gradient);
-  };
-  const Vec3v world = {to_world(0), to_world(1), to_world(2)};
+  const Vec3v world = to_world(frame, gradient);
   const Float steepness = hn::Sqrt(dot(world, world));
   // Where there is no normal, all of it is 0.
   const Float per_length = hn::IfThenElseZero(hn::Gt(steepness, zero), hn::Div(one, steepness));

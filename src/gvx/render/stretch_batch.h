@@ -28,6 +28,7 @@ struct StretchBatch {
     const std::byte* brick = nullptr;
     bool deviates = false;
     float gradient_scale = 1;
+    float voxels_across = 1;  ///< of its level, in all of tree space
     alignas(64) float row[kMost + 1][8];
   };
 
@@ -36,8 +37,8 @@ struct StretchBatch {
   float units = 1;       ///< unit distances of the extinctions a step
   bool blended = false;  ///< the coarse brick is seen too
   Path fine, coarse;
-  /// Where in the world the centre of the first step is, and the way of a step: x, y, z and one of no concern,
-  /// twice. Only where lights are near.
+  /// Where in the world the centre of the first step is, and the way of a step: x, y, z and one of no
+  /// concern, twice. Only where lights are near.
   alignas(64) float place[kMost + 1][8];
 
   /// Of the fine brick's cells those that can be seen (visible_cells.h); for batches of one brick.
@@ -47,8 +48,8 @@ struct StretchBatch {
   std::uint8_t length[kMost + 8];         ///< of each row: its steps, or 255
   alignas(64) std::int32_t order[kMost];  ///< in which rows are put side by side: those of like lengths
 
-  /// Of all rays, by their numbers: unit directions towards the eye (x, y, z and one of no concern); what they
-  /// have gathered (RayState: red, green, blue, opacity).
+  /// Of all rays, by their numbers: unit directions towards the eye (x, y, z and one of no concern); what
+  /// they have gathered (RayState: red, green, blue, opacity).
   const float (*to_eye)[4] = nullptr;
   float (*gathered)[4] = nullptr;
   std::int32_t* samples = nullptr;
@@ -57,8 +58,8 @@ struct StretchBatch {
   std::uint32_t opaque_count = 0;
   std::int32_t opaque[kMost];
 
-  /// Where a brick of bytes is put, if that pays: of each texel itself, the next along y, the next along z, and
-  /// the one that is next along both, from the lowest bits up.
+  /// Where a brick of bytes is put, if that pays: of each texel itself, the next along y, the next along z,
+  /// and the one that is next along both, from the lowest bits up.
   bool has_quads = false;
   alignas(64) std::uint32_t quads[plane_texels(32)];
 
@@ -69,7 +70,8 @@ struct StretchBatch {
   void put_in_order();
 };
 
-/// Are there vectors for this way to look? Scalars of one channel, composited, without opacity by gradient.
+/// Are there vectors that composite this way to look? Scalars of one channel, but for opacity by gradient of
+/// classified samples.
 bool composites_batches(const FrameView& frame);
 
 /// The name of the instruction set whose vectors composite_batch uses: "AVX3", "AVX2", "SSE4", "NEON"..
@@ -82,7 +84,8 @@ void composite_batch(const FrameView& frame, StretchBatch& batch);
 /// The same by post-classification (post_classified.h), in frames that have step_colors.
 void composite_post_batch(const FrameView& frame, StretchBatch& batch);
 
-/// Takes the values of scalars of one to four channels into what projecting rays have gathered (projection.h).
+/// Takes the values of scalars of one to four channels into what projecting rays have gathered
+/// (projection.h).
 void project_batch(const FrameView& frame, StretchBatch& batch);
 
 /// Finds the first place where a scalar is the isovalue, and lights it (isosurface.h).

@@ -1,6 +1,6 @@
 /// \file
-/// TileMarcher: the march of tile_march.h, as a template over the voxel type; each tile_march_*.cpp instantiates
-/// one type. Private to this room.
+/// TileMarcher: the march of tile_march.h, as a template over the voxel type; each tile_march_*.cpp
+/// instantiates one type. Private to this room.
 #pragma once
 
 #include <algorithm>
@@ -368,7 +368,8 @@ class TileMarcher {
       default:
         find_surface_batch(frame, batch);
     }
-    for (std::uint32_t i = 0; i < batch.opaque_count; ++i) retire(static_cast<std::uint32_t>(batch.opaque[i]));
+    for (std::uint32_t i = 0; i < batch.opaque_count; ++i)
+      retire(static_cast<std::uint32_t>(batch.opaque[i]));
   }
 
   void gather_ray_by_ray(const Place& place, const StretchesWanted& wanted, int level) {
@@ -542,6 +543,7 @@ class TileMarcher {
   BrickPlace path_of(const Place& place, BrickIndex slot, int level, StretchBatch::Path& path) const {
     path.brick = reinterpret_cast<const std::byte*>(view_.bricks.brick(slot).voxels);
     const BrickCorner<N> at(place, level);
+    path.voxels_across = static_cast<float>(at.across * M);
     return {at.across, at.corner};
   }
 
@@ -700,12 +702,13 @@ bool preview_tiles_of(const exec::Device& cpu, const Pass& pass, exec::TileGrid 
   });
 }
 
-#define GVX_INSTANTIATE_TILE_MARCH(PREFIX, VOXEL)                                                             \
-  PREFIX template bool march_tiles_of<VOXEL>(                                                                 \
-      const exec::Device&, const Pass&, exec::TileGrid, exec::BufferView<const std::uint32_t>, exec::Deadline, \
-      exec::BufferView<RayState>, exec::BufferView<std::uint32_t>);                                           \
-  PREFIX template bool preview_tiles_of<VOXEL>(                                                               \
-      const exec::Device&, const Pass&, exec::TileGrid, exec::BufferView<const std::uint32_t>, exec::Deadline, \
-      std::uint32_t, std::uint32_t, exec::BufferView<const RayState>, exec::BufferView<PreviewPixel>);
+#define GVX_INSTANTIATE_TILE_MARCH(PREFIX, VOXEL)                                                          \
+  PREFIX template bool march_tiles_of<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,             \
+                                             exec::BufferView<const std::uint32_t>, exec::Deadline,        \
+                                             exec::BufferView<RayState>, exec::BufferView<std::uint32_t>); \
+  PREFIX template bool preview_tiles_of<VOXEL>(                                                            \
+      const exec::Device&, const Pass&, exec::TileGrid, exec::BufferView<const std::uint32_t>,             \
+      exec::Deadline, std::uint32_t, std::uint32_t, exec::BufferView<const RayState>,                      \
+      exec::BufferView<PreviewPixel>);
 
 }  // namespace gvx::render

@@ -109,6 +109,15 @@ class Function {
     return whole(hn::Floor(held_in_table(hn::Add(entry, all(0.5f)))));
   }
 
+  HWY_INLINE Float factor_of_gradient(Float steepness) const {
+    constexpr auto kLast = static_cast<float>(scene::TransferView::kGradientEntries - 1);
+    const Float entry = hn::Min(hn::Mul(steepness, all(view_.to_gradient_entry)), all(kLast));
+    const Float low = hn::Min(hn::Floor(entry), all(kLast - 1));
+    const Int at = whole(low);
+    return mix(hn::GatherIndex(kFloats, view_.gradient_factor, at),
+               hn::GatherIndex(kFloats, view_.gradient_factor + 1, at), hn::Sub(entry, low));
+  }
+
   HWY_INLINE Mask above_first(Float entry) const { return hn::Gt(entry, all(view_.first_visible)); }
   HWY_INLINE Mask invisible(Float a, Float b) const {
     return hn::Or(hn::Le(hn::Max(a, b), all(view_.first_visible)),
