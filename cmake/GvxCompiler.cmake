@@ -18,6 +18,10 @@ endif()
 # Without contraction a picture is the same bits in every build of one instruction set.
 # -Wrestrict: g++ 12 warns about std::string's own operator+ (GCC bug 105651).
 set(GVX_CXX_FLAGS -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wno-restrict -ffp-contract=off)
+# g++ gives the members of a structure no constructor for another instruction set than the whole file's.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
+  list(APPEND GVX_CXX_FLAGS -march=armv8-a+crypto)
+endif()
 if(GVX_SANITIZE)
   add_compile_options(-fsanitize=${GVX_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${GVX_SANITIZE})

@@ -75,6 +75,7 @@ HWY_INLINE Pair gather_pair(const float* texels, Int index) {
 }
 
 /// Floats that are whole numbers from 0 to 2^22, as integers. (A conversion would mind all the others, too.)
+/// What is no number must be held before: Max(it, 0) is 0 on x86.
 HWY_INLINE Int whole(Float value) {
   constexpr float kFirst = 1 << 23;  // from here on floats' last bit is 1
   constexpr std::int32_t kBits = 0x4b000000;
