@@ -65,7 +65,8 @@ double roof(const render::FrameView& frame, ValueRange range, std::uint32_t m) {
   for (int repeat = 0; repeat < 40; ++repeat) {
     for (std::uint32_t i = 0; i < kRays; ++i) {
       const float x = float(i % kEdge) / kEdge, y = float(i / kEdge) / kEdge;
-      const float row[8] = {x * float(m), y * float(m), 0.25f, float(2 * m), 0, 0, 0.5f, std::bit_cast<float>(i)};
+      const float row[8] = {x * float(m), y * float(m),           0.25f, float(2 * m), 0, 0,
+                            0.5f,         std::bit_cast<float>(i)};
       std::copy_n(row, 8, batch->fine.row[i]);
       to_eye[4 * i + 2] = -1;
       batch->order[i] = static_cast<std::int32_t>(i);

@@ -1,5 +1,5 @@
-// project_batch: projection.h once more, with a ray in each lane of a vector. Compiled once for each instruction
-// set.
+// project_batch: projection.h once more, with a ray in each lane of a vector. Compiled once for each
+// instruction set.
 
 #include "gvx/render/simd_targets.h"
 #include "gvx/render/stretch.h"
@@ -18,11 +18,12 @@ HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
 namespace {
 
-/// One channel of the rays of two vectors, whose `gathered` it goes on from; `first`: nothing was gathered yet.
+/// One channel of the rays of two vectors, whose `gathered` it goes on from; `first`: nothing was gathered
+/// yet.
 template <scene::Mode kMode, typename Texels>
-HWY_INLINE void project_channel(const FrameView& frame, const StretchBatch& batch, const BatchLanes (&lanes)[2],
-                                const Texels& fine, const Texels& coarse, const Mask (&first)[2],
-                                Float (&gathered)[2]) {
+HWY_INLINE void project_channel(const FrameView& frame, const StretchBatch& batch,
+                                const BatchLanes (&lanes)[2], const Texels& fine, const Texels& coarse,
+                                const Mask (&first)[2], Float (&gathered)[2]) {
   const int edge = static_cast<int>(batch.m);
   const Float ticks = all(static_cast<float>(frame.stride[batch.level]));
   const PathRows path[2] = {lanes[0].fine(batch), lanes[1].fine(batch)};

@@ -110,7 +110,8 @@ struct TexelPlace {
 
  private:
   HWY_INLINE static Float held(Float position, int edge) {
-    return hn::Min(hn::Max(hn::Add(position, all(0.5f)), hn::Zero(kFloats)), all(static_cast<float>(edge + 1)));
+    return hn::Min(hn::Max(hn::Add(position, all(0.5f)), hn::Zero(kFloats)),
+                   all(static_cast<float>(edge + 1)));
   }
   HWY_INLINE static Float low(Float texel, int edge) {
     return hn::Min(hn::Floor(texel), all(static_cast<float>(edge)));
@@ -174,7 +175,9 @@ struct QuadTexels {
     return {{byte<0>(raw.low), byte<0>(raw.high), byte<8>(raw.low), byte<8>(raw.high), byte<16>(raw.low),
              byte<16>(raw.high), byte<24>(raw.low), byte<24>(raw.high)}};
   }
-  HWY_INLINE Corners read(Int index, int row, int slice) const { return corners(load(index, row, slice)); }
+  HWY_INLINE Corners read(Int index, int row, int slice) const {
+    return corners(load(index, row, slice));
+  }
 
  private:
   template <int kShift>

@@ -34,7 +34,8 @@ bool tile_preview(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid
                   exec::BufferView<PreviewPixel> pixels) {
   GVX_CHECK(grid.tile <= exec::TileGrid::kTile);
   return with_voxel_type(pass.frame.format.type, [&](auto zero) {
-    return preview_tiles_of<decltype(zero)>(cpu, pass, grid, tiles, deadline, block, generation, rays, pixels);
+    return preview_tiles_of<decltype(zero)>(cpu, pass, grid, tiles, deadline, block, generation, rays,
+                                            pixels);
   });
 }
 

@@ -1,10 +1,11 @@
 /// \file
-/// TileRays: the rays of a tile of the film side by side, and what of them is in a node, in vectors of doubles.
+/// TileRays: the rays of a tile of the film side by side, and what of them is in a node, in vectors of
+/// doubles.
 ///
 /// A node's faces and a ray give the distances between which the ray is in the node; the steps whose centres
-/// lie between them are the node's. They are counted from where the ray enters the volume, so nodes that share
-/// a face share out steps without gaps, whatever else is visited or resident. A ray's bits depend neither on
-/// the other rays nor on the instruction set.
+/// lie between them are the node's. They are counted from where the ray enters the volume, so nodes that
+/// share a face share out steps without gaps, whatever else is visited or resident. A ray's bits depend
+/// neither on the other rays nor on the instruction set.
 #pragma once
 
 #include <bit>
@@ -131,8 +132,8 @@ class TileProjection {
   double diagonal_world_ = 0;  // of all of tree space, the longest
 };
 
-/// The rays through the pixels (x0 + i * apart, y0 + j * apart) for i and j below `edge`, which is the tile's or
-/// less; returns those that meet the visible volume.
+/// The rays through the pixels (x0 + i * apart, y0 + j * apart) for i and j below `edge`, which is the tile's
+/// or less; returns those that meet the visible volume.
 ActiveRays set_up(const FrameView& frame, double x0, double y0, double apart, std::uint32_t edge,
                   TileRays& rays);
 
@@ -154,8 +155,8 @@ struct StretchesWanted {
   BrickPlace fine, coarse;
 };
 
-/// Puts the stretches of rays through a node into the batch: their steps, and where they go in the brick, and in
-/// the coarser one where the batch is blended. The rays are put behind them. Those that come to the end of
+/// Puts the stretches of rays through a node into the batch: their steps, and where they go in the brick, and
+/// in the coarser one where the batch is blended. The rays are put behind them. Those that come to the end of
 /// their zone before the node are put into the next.
 void gather_stretches(const FrameView& frame, const ActiveRays& active, const NodeBox& node,
                       const TileRect& rect, const StretchesWanted& wanted, TileRays& rays,

@@ -1,5 +1,5 @@
-// What of a tile's rays is in a node, with a ray in each lane of a vector; and which of them may meet a node's
-// children, with a child in each. Compiled once for each instruction set.
+// What of a tile's rays is in a node, with a ray in each lane of a vector; and which of them may meet a
+// node's children, with a child in each. Compiled once for each instruction set.
 
 #include <bit>
 
@@ -180,8 +180,7 @@ HWY_INLINE Interval interval_of(const FrameView& frame, const TileRays& rays, co
   Interval t{hn::Load(kDoubles, rays.enter + r), hn::Load(kDoubles, rays.exit + r)};
   const bool one_origin = !frame.camera.orthographic;
   for (int axis = 0; axis < 3; ++axis) {
-    const Double origin =
-        one_origin ? all(rays.origin[axis][0]) : hn::Load(kDoubles, rays.origin[axis] + r);
+    const Double origin = one_origin ? all(rays.origin[axis][0]) : hn::Load(kDoubles, rays.origin[axis] + r);
     const Double inverse = hn::Load(kDoubles, rays.inverse[axis] + r);
     const Double a = hn::Mul(hn::Sub(all(node.low[axis]), origin), inverse);
     const Double b = hn::Mul(hn::Sub(all(node.high[axis]), origin), inverse);
@@ -203,8 +202,8 @@ HWY_INLINE void for_vectors(const ActiveRays& active, const TileRect& rect, cons
   }
 }
 
-bool any_inside_of(const FrameView& frame, const TileRays& rays, const ActiveRays& active, const NodeBox& node,
-                   const TileRect& rect) {
+bool any_inside_of(const FrameView& frame, const TileRays& rays, const ActiveRays& active,
+                   const NodeBox& node, const TileRect& rect) {
   bool any = false;
   for_vectors(active, rect, [&](std::size_t r) HWY_ATTR {
     const Interval t = interval_of(frame, rays, node, r);
@@ -245,8 +244,8 @@ HWY_INLINE void put_lengths(hn::Vec<HalfInts> lengths, unsigned taken, std::uint
 
 /// The places of rays from `r` on in a brick, and their fourths: what goes with them into a row.
 HWY_INLINE void put_path(const TileRays& rays, const Double (&p)[3], std::size_t r, Double t_step,
-                         const BrickPlace& place, double m, unsigned taken, HalfFloat fourth, HalfFloat eighth,
-                         float (*row)[8]) {
+                         const BrickPlace& place, double m, unsigned taken, HalfFloat fourth,
+                         HalfFloat eighth, float (*row)[8]) {
   HalfFloat first[4], per_step[4];
   for (int axis = 0; axis < 3; ++axis) {
     const Double direction = hn::Load(kDoubles, rays.direction[axis] + r);
@@ -342,8 +341,8 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
 
 /// A rectangle is this much wider than its node, in rays: rounding must not make it lose one.
 constexpr float kMargin = 0.05f;
-/// A node is too near for its picture to be where its corners' are if one of these is nearer than this many of
-/// its edges.
+/// A node is too near for its picture to be where its corners' are if one of these is nearer than this many
+/// of its edges.
 constexpr float kNear = 0.01f;
 
 // Of a child its place among its parent's children, x first; those behind the last are made the first again.
@@ -373,8 +372,7 @@ void project_children_of(const TileProjection& to, const Vec3d& low, double edge
   // In doubles: near the eye these cancel.
   double first[3];
   for (int k = 0; k < 3; ++k) first[k] = to.eye[k] + dot(rows[k], low);
-  const double nearest =
-      kNear * (std::fabs(ways[2].x) + std::fabs(ways[2].y) + std::fabs(ways[2].z));
+  const double nearest = kNear * (std::fabs(ways[2].x) + std::fabs(ways[2].y) + std::fabs(ways[2].z));
   const Float shift_x = set(to.first_x), shift_y = set(to.first_y);
   for (std::size_t child = 0; child < static_cast<std::size_t>(n * n * n); child += hn::Lanes(floats)) {
     Float base[3];
@@ -389,8 +387,8 @@ void project_children_of(const TileProjection& to, const Vec3d& low, double edge
     for (int corner = 0; corner < 8; ++corner) {
       Float q[3];
       for (int k = 0; k < 3; ++k) {
-        const double way = (corner & 1 ? ways[k].x : 0) + (corner & 2 ? ways[k].y : 0) +
-                           (corner & 4 ? ways[k].z : 0);
+        const double way =
+            (corner & 1 ? ways[k].x : 0) + (corner & 2 ? ways[k].y : 0) + (corner & 4 ? ways[k].z : 0);
         q[k] = hn::Add(base[k], set(way));
       }
       least_z = hn::Min(least_z, q[2]);
@@ -407,8 +405,8 @@ void project_children_of(const TileProjection& to, const Vec3d& low, double edge
     }
     auto all_rays = hn::Lt(least_z, set(nearest)), none = hn::Le(most_z, hn::Zero(floats));
     if (to.orthographic) all_rays = none = hn::Lt(set(1), hn::Zero(floats));
-    const auto put = [&](Float least, Float most, Float shift, std::int32_t* from, std::int32_t* until)
-                         HWY_ATTR {
+    const auto put = [&](Float least, Float most, Float shift, std::int32_t* from,
+                         std::int32_t* until) HWY_ATTR {
       const Float begin = hn::Ceil(hn::Add(least, hn::Sub(shift, hn::Set(floats, kMargin))));
       const Float end = hn::Floor(hn::Add(most, hn::Add(shift, hn::Set(floats, kMargin))));
       Float first_ray = hn::IfThenElseZero(hn::Not(all_rays), hn::Max(begin, hn::Zero(floats)));
