@@ -182,13 +182,8 @@ struct QuadTexels {
  private:
   template <int kShift>
   HWY_INLINE static Float byte(Int four) {
-    if constexpr (kShift == 24) return hn::ConvertTo(kFloats, hn::BitCast(kInts, top_byte(four)));
     if constexpr (kShift > 0) four = hn::ShiftRight<kShift>(four);
     return hn::ConvertTo(kFloats, hn::And(four, all_ints(0xff)));
-  }
-  HWY_INLINE static auto top_byte(Int four) {
-    const hn::RebindToUnsigned<Ints> words;
-    return hn::ShiftRight<24>(hn::BitCast(words, four));
   }
 };
 

@@ -624,7 +624,7 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
       RayState& ray = rays[index_of_ray(i)];
       if (marcher.is_stub(i)) {
         if (ray.epoch != pass.epoch) ray = RayState{};
-        const double x = part.x0 + i % TileRays::kEdge, y = part.y0 + i / TileRays::kEdge;
+        const std::uint32_t x = part.x0 + i % TileRays::kEdge, y = part.y0 + i / TileRays::kEdge;
         RayMarcher<Voxel, N, M>(view, x, y).march_exact(ray);
       } else {
         ray = marcher.state_of(i);

@@ -197,7 +197,8 @@ HWY_INLINE void for_vectors(const ActiveRays& active, const TileRect& rect, cons
   constexpr int kEdge = static_cast<int>(TileRays::kEdge);
   for (int y = rect.y0; y <= rect.y1; ++y) {
     for (int x = rect.x0 / kLanes * kLanes; x <= rect.x1; x += kLanes) {
-      if ((active.row[y] >> x & ((1u << kLanes) - 1)) != 0) function(static_cast<std::size_t>(y * kEdge + x));
+      if ((active.row[y] >> x & ((1u << kLanes) - 1)) != 0)
+        function(static_cast<std::size_t>(y) * TileRays::kEdge + static_cast<std::size_t>(x));
     }
   }
 }
@@ -352,8 +353,9 @@ struct ChildPlaces {
   explicit constexpr ChildPlaces(int n) {
     for (int child = 0; child < n * n * n; ++child) {
       of[0][child] = static_cast<float>(child % n);
-      of[1][child] = static_cast<float>(child / n % n);
-      of[2][child] = static_cast<float>(child / (n * n));
+      const int row = child / n, slice = row / n;
+      of[1][child] = static_cast<float>(row % n);
+      of[2][child] = static_cast<float>(slice);
     }
   }
 };
@@ -366,6 +368,7 @@ void project_children_of(const TileProjection& to, const Vec3d& low, double edge
   using Float = hn::Vec<decltype(floats)>;
   const auto set = [&](double value) HWY_ATTR { return hn::Set(floats, static_cast<float>(value)); };
   constexpr auto kLast = static_cast<float>(TileRays::kEdge - 1);
+  const auto per_axis = static_cast<std::size_t>(n), children = per_axis * per_axis * per_axis;
   const ChildPlaces& places = n == 2 ? kPlacesOf2 : kPlacesOf3;
   const Vec3d ways[3] = {edge * to.across, edge * to.down, edge * to.ahead};
   const Vec3d rows[3] = {to.across, to.down, to.ahead};
@@ -374,7 +377,7 @@ void project_children_of(const TileProjection& to, const Vec3d& low, double edge
   for (int k = 0; k < 3; ++k) first[k] = to.eye[k] + dot(rows[k], low);
   const double nearest = kNear * (std::fabs(ways[2].x) + std::fabs(ways[2].y) + std::fabs(ways[2].z));
   const Float shift_x = set(to.first_x), shift_y = set(to.first_y);
-  for (std::size_t child = 0; child < static_cast<std::size_t>(n * n * n); child += hn::Lanes(floats)) {
+  for (std::size_t child = 0; child < children; child += hn::Lanes(floats)) {
     Float base[3];
     for (int k = 0; k < 3; ++k) {
       base[k] = set(first[k]);
