@@ -194,7 +194,6 @@ HWY_INLINE Interval interval_of(const FrameView& frame, const TileRays& rays, co
 template <typename Function>
 HWY_INLINE void for_vectors(const ActiveRays& active, const TileRect& rect, const Function& function) {
   constexpr int kLanes = static_cast<int>(hn::MaxLanes(kDoubles));
-  constexpr int kEdge = static_cast<int>(TileRays::kEdge);
   for (int y = rect.y0; y <= rect.y1; ++y) {
     for (int x = rect.x0 / kLanes * kLanes; x <= rect.x1; x += kLanes) {
       if ((active.row[y] >> x & ((1u << kLanes) - 1)) != 0)
