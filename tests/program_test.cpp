@@ -164,7 +164,7 @@ TEST_F(Program, budget_frames_end_at_the_exact_picture) {
 
 /// The JSON examples of docs/scene-file.md, in their order.
 std::vector<std::string> documented_scenes() {
-  std::ifstream file(std::filesystem::path(__FILE__).parent_path() / "../docs/scene-file.md");
+  std::ifstream file(GVX_SOURCE_DIR "/docs/scene-file.md");
   std::vector<std::string> scenes;
   bool inside = false;
   for (std::string line; std::getline(file, line);) {

@@ -192,8 +192,7 @@ TEST(SceneFile, files_that_cannot_be_read_are_errors) {
 class SceneSchema : public testing::Test {
  protected:
   SceneSchema() {
-    const auto root = std::filesystem::path(__FILE__).parent_path() / "../../..";
-    std::ifstream file(root / "docs/scene.schema.json");
+    std::ifstream file(GVX_SOURCE_DIR "/docs/scene.schema.json");
     schema_ = Json::parse(file);
   }
 
