@@ -23,42 +23,6 @@ HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
 namespace {
 
-/// Four 32-bit numbers of each lane, table + offset in bytes onwards: out[i] has the i-th of every lane. Rows
-/// are loaded whole and turned, which is several times as fast as gathering.
-HWY_INLINE void load_rows(const std::byte* table, const std::int32_t* offsets, Int out[4]) {
-#if HWY_TARGET == HWY_SCALAR
-  const auto* row = reinterpret_cast<const std::int32_t*>(table + offsets[0]);
-  for (std::size_t i = 0; i < 4; ++i) out[i] = hn::Set(kInts, row[i]);
-#else
-  const auto row = [&](std::size_t lane) HWY_ATTR {
-    const auto* numbers = reinterpret_cast<const std::int32_t*>(table + offsets[lane]);
-    return hn::Load(hn::Full128<std::int32_t>(), numbers);
-  };
-  Int part[4];
-  for (std::size_t i = 0; i < 4; ++i) {
-#if HWY_MAX_BYTES == 16
-    part[i] = row(i);
-#elif HWY_MAX_BYTES == 32
-    part[i] = hn::Combine(kInts, row(4 + i), row(i));
-#else
-    const hn::Half<Ints> half;
-    part[i] =
-        hn::Combine(kInts, hn::Combine(half, row(12 + i), row(8 + i)), hn::Combine(half, row(4 + i), row(i)));
-#endif
-  }
-  const hn::RepartitionToWide<Ints> pairs;
-  const auto pair = [&](Int v) HWY_ATTR { return hn::BitCast(pairs, v); };
-  const Int a = hn::InterleaveLower(kInts, part[0], part[1]),
-            b = hn::InterleaveUpper(kInts, part[0], part[1]);
-  const Int c = hn::InterleaveLower(kInts, part[2], part[3]),
-            d = hn::InterleaveUpper(kInts, part[2], part[3]);
-  out[0] = hn::BitCast(kInts, hn::InterleaveLower(pairs, pair(a), pair(c)));
-  out[1] = hn::BitCast(kInts, hn::InterleaveUpper(pairs, pair(a), pair(c)));
-  out[2] = hn::BitCast(kInts, hn::InterleaveLower(pairs, pair(b), pair(d)));
-  out[3] = hn::BitCast(kInts, hn::InterleaveUpper(pairs, pair(b), pair(d)));
-#endif
-}
-
 /// A row of StretchBatch::Path, or of StretchBatch::place, of each lane.
 struct PathRows {
   Vec3v first, per_step;
@@ -100,31 +64,34 @@ HWY_INLINE Float held_in_voxel(const PathRows& path, Float centre, Float i) {
   return hn::MulAdd(share, way, centre);
 }
 
-/// As many rays of a batch as a vector has lanes, from place `lane` of its order on. Lanes behind the last
-/// hold it once more, with nothing before it.
+/// As many rays of a batch as a vector has lanes, the first of a list of rows. Lanes behind the last hold it
+/// once more, with nothing before it; of no rows, the one at `rows`.
 class BatchLanes {
  public:
-  HWY_INLINE BatchLanes(const StretchBatch& batch, std::size_t lane)
-      : valid_(lane < batch.count ? std::min(kLanes, batch.count - lane) : 0) {
+  HWY_INLINE BatchLanes(const StretchBatch& batch, const std::int32_t* rows, std::size_t count)
+      : valid_(std::min(kLanes, count)) {
     for (std::size_t i = 0; i < kLanes; ++i) {
-      const std::int32_t row = batch.order[std::min<std::size_t>(lane + i, batch.count - 1)];
+      const std::int32_t row = rows[std::min(i, std::max<std::size_t>(count, 1) - 1)];
       row_[i] = row * static_cast<std::int32_t>(sizeof(float[8]));
       ray_[i] = static_cast<std::int32_t>(batch.ray(static_cast<std::uint32_t>(row)) * sizeof(float[4]));
     }
   }
+  /// From place `lane` of the batch's order on.
+  HWY_INLINE BatchLanes(const StretchBatch& batch, std::size_t lane)
+      : BatchLanes(batch, batch.order + std::min<std::size_t>(lane, batch.count - 1),
+                   lane < batch.count ? batch.count - lane : 0) {}
 
   HWY_INLINE PathRows fine(const StretchBatch& batch) const { return {batch.fine.row, row_}; }
   HWY_INLINE PathRows coarse(const StretchBatch& batch) const { return {batch.coarse.row, row_}; }
+  HWY_INLINE PathRows waiting(const StretchBatch& batch) const { return {batch.waiting, row_}; }
   HWY_INLINE PathRows places(const StretchBatch& batch) const { return {batch.place, row_}; }
   HWY_INLINE Vec3v to_eye(const StretchBatch& batch) const {
     Int part[4];
     load_rows(reinterpret_cast<const std::byte*>(batch.to_eye), ray_, part);
     return PathRows::vec3(part);
   }
-  HWY_INLINE Float steps(const PathRows& fine) const {
-    const Float last = all(static_cast<float>(valid_));
-    return hn::IfThenElseZero(hn::Lt(hn::Iota(kFloats, 0), last), fine.fourth);
-  }
+  HWY_INLINE Float steps(const PathRows& fine) const { return hn::IfThenElseZero(valid(), fine.fourth); }
+  HWY_INLINE Mask valid() const { return hn::Lt(hn::Iota(kFloats, 0), all(static_cast<float>(valid_))); }
 
   HWY_INLINE Mask without_samples(const StretchBatch& batch) const {
     alignas(64) std::int32_t samples[kLanes];
@@ -155,6 +122,21 @@ class BatchLanes {
       batch.samples[ray] += samples[i];
       batch.opaque[batch.opaque_count] = static_cast<std::int32_t>(ray);
       batch.opaque_count += lanes[3][i] >= kOpaque ? 1 : 0;
+    }
+  }
+
+  /// Appends the rows of a mask's lanes to a list; `numbers` are what they wait with.
+  HWY_INLINE void wait(StretchBatch& batch, Mask mask, const Float (&numbers)[5], std::int32_t* rows,
+                       std::uint32_t& count) const {
+    alignas(64) float lanes[5][kLanes];
+    alignas(64) std::int32_t waits[kLanes];
+    for (std::size_t k = 0; k < 5; ++k) hn::Store(numbers[k], kFloats, lanes[k]);
+    hn::Store(hn::VecFromMask(kInts, hn::RebindMask(kInts, mask)), kInts, waits);
+    for (std::size_t i = 0; i < valid_; ++i) {
+      if (waits[i] == 0) continue;
+      const std::size_t row = static_cast<std::size_t>(row_[i]) / sizeof(float[8]);
+      for (std::size_t k = 0; k < 5; ++k) batch.waiting[row][k] = lanes[k][i];
+      rows[count++] = static_cast<std::int32_t>(row);
     }
   }
 

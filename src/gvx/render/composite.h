@@ -6,7 +6,7 @@
 /// same variance. Its mean matter comes from the transfer function's integrals (pre-integration; variances as
 /// in Younesy, Moeller, Carr, "Improving the quality of multi-resolution volume rendering", 2006). Where
 /// values change fast a step is sampled more often, and what lies between two samples is cut in the
-/// function's space, so that its front hides its back.
+/// function's space, so that its front hides its back. All that is seen of a step is lit once.
 #pragma once
 
 #include <cmath>
@@ -33,12 +33,12 @@ struct EntryPath {
   }
 };
 
-// A step is sampled at more places the more opaque it is and the more entries of the function it goes
-// through: one more for an opaque step through this many.
+// A step is sampled at more places the more it adds to what is seen and the more entries of the function it
+// goes through: one more where it hides all and goes through this many.
 inline constexpr float kWidePath = 32.0f;
 inline constexpr int kMostCuts = 8;
-// Between two samples, a span that goes through more entries than this is cut into parts of about this
-// optical depth.
+// Between two samples, a span that goes through more entries than this is cut into parts: one more for each
+// time that it adds this much.
 inline constexpr float kNarrowPath = 8.0f;
 inline constexpr float kThinDepth = 0.25f;
 inline constexpr int kMostParts = 8;
@@ -69,79 +69,90 @@ struct Span {
   }
 };
 
-/// A span's matter, front to back, and where in it what is seen is in the mean.
+/// What is seen of a step, and of which channel, before it is lit: light falls where it is seen, and only
+/// once.
 template <std::uint32_t kChannels>
-struct SpanParts {
-  int count = 1;
-  scene::Matter matter[kChannels][kMostParts];
-  float seen_at = 0.5f;  ///< a share of the span
+struct Seen {
+  Vec3f color[kChannels];
+  float weight[kChannels] = {};
+  float total = 0, moment = 0;
 
-  GVX_HD SpanParts(const scene::Visibility& visibility, const Span<kChannels>& span, std::uint32_t channels,
-                   float units) {
-    if (span.longest > kNarrowPath) {
-      count = static_cast<int>(std::fmin(1 + span.extinction * units / kThinDepth, float(kMostParts)));
-    }
-    for (std::uint32_t c = 0; c < channels; ++c) {
-      for (int part = 0; part < count; ++part) {
-        matter[c][part] =
-            count == 1 ? span.matter[c] : span.path[c].mean(visibility.functions[c], part, count);
-      }
-    }
-    if (count == 1) return;
-    const float share = 1 / static_cast<float>(count);
-    float left = 1, moment = 0;
-    for (int part = 0; part < count; ++part) {
-      float extinction = 0;
-      for (std::uint32_t c = 0; c < channels; ++c) extinction += matter[c][part].extinction;
-      const float opacity = opacity_of(extinction * units * share);
-      moment += left * opacity * (static_cast<float>(part) + 0.5f) * share;
-      left *= 1 - opacity;
-    }
-    if (left < 1.0f) seen_at = moment / (1 - left);
+  GVX_HD float middle() const { return moment / total; }
+};
+
+/// The gradients of each channel at a place.
+template <std::uint32_t kChannels, typename Voxel, int M>
+struct Slopes {
+  float i = 0, blend = 0;
+  Vec3f gradient[kChannels];
+
+  GVX_HD Slopes(const FrameView& frame, const Stretch<Voxel, M>& s, std::uint32_t channels, float i_)
+      : i(i_), blend(s.blend_at(frame, i_)) {
+    for (std::uint32_t c = 0; c < channels; ++c) gradient[c] = gradient_at(s, c, i, blend);
+  }
+
+  /// What channel c's extinction is multiplied by.
+  GVX_HD float factor(const FrameView& frame, const Stretch<Voxel, M>& s, std::uint32_t c) const {
+    const scene::TransferView& function = frame.visibility.functions[c];
+    if (function.gradient_factor == nullptr) return 1;
+    const float voxels = s.fine.voxels_across * (1 - blend) + s.coarse.voxels_across * blend;
+    const Vec3f world = Vec3f(frame.world_to_tree.transposed_vector(Vec3d(gradient[c])));
+    return function.factor_of_gradient(length(world) * voxels);
+  }
+  GVX_HD scene::Shade<float> shade(const RayView& ray, const Stretch<Voxel, M>& s, std::uint32_t c) const {
+    // Squares of very large or small values would be no numbers.
+    const Vec3f relative = gradient[c] / ray.frame.soft_gradient[c];
+    const float certainty =
+        scene::surface_certainty(s.gradient_scale(ray.frame, blend) * length(relative), 1.0f);
+    return ray.shade(relative, certainty, s.t_at(i));
   }
 };
 
-/// Adds a span that is seen, `units` unit distances long.
-template <std::uint32_t kChannels, typename Voxel, int M>
-GVX_HD void composite_span(const RayView& ray, const Stretch<Voxel, M>& s, const Span<kChannels>& span,
-                           std::uint32_t channels, bool by_gradient, float units, RayState& state) {
-  const FrameView& frame = ray.frame;
-  const scene::Visibility& visibility = frame.visibility;
-  const SpanParts<kChannels> parts(visibility, span, channels, units);
-  const bool lit = frame.lighting.lighting.enabled;
-  scene::Shade<float> shade[kChannels];
-  float factor[kChannels];
-  for (std::uint32_t c = 0; c < channels; ++c) factor[c] = 1;
-  if (lit || by_gradient) {
-    // Lit where it is seen: a surface may begin near the back end.
-    const float i = s.held_in_voxel(span.centre, span.begin + parts.seen_at * (span.end - span.begin));
-    const float blend = s.blend_at(frame, i);
+/// Adds what is seen of a span, `units` unit distances long, but its light.
+template <std::uint32_t kChannels>
+GVX_HD void see_span(const scene::Visibility& visibility, const Span<kChannels>& span, std::uint32_t channels,
+                     const float (&factor)[kChannels], float units, Seen<kChannels>& seen, RayState& state) {
+  int parts = 1;
+  if (span.longest > kNarrowPath) {
+    const float adds = (1 - state.opacity) * span.extinction * units;
+    parts = static_cast<int>(std::fmin(1 + adds / kThinDepth, float(kMostParts)));
+  }
+  const float share = 1 / static_cast<float>(parts);
+  for (int part = 0; part < parts; ++part) {
+    scene::Matter matter[kChannels];
+    float extinction = 0;
     for (std::uint32_t c = 0; c < channels; ++c) {
-      if (!(span.matter[c].extinction > 0.0f)) continue;
-      const Vec3f gradient = gradient_at(s, c, i, blend);
-      // Squares of very large or small values would be no numbers.
-      const Vec3f relative = gradient / frame.soft_gradient[c];
-      const float certainty =
-          scene::surface_certainty(s.gradient_scale(frame, blend) * length(relative), 1.0f);
-      shade[c] = ray.shade(relative, certainty, s.t_at(i));
-      if (visibility.functions[c].gradient_factor == nullptr) continue;
-      const float voxels = s.fine.voxels_across * (1 - blend) + s.coarse.voxels_across * blend;
-      const Vec3f world = Vec3f(frame.world_to_tree.transposed_vector(Vec3d(gradient)));
-      factor[c] = visibility.functions[c].factor_of_gradient(length(world) * voxels);
+      matter[c] = parts == 1 ? span.matter[c] : span.path[c].mean(visibility.functions[c], part, parts);
+      matter[c].color = factor[c] * matter[c].color;
+      matter[c].extinction *= factor[c];
+      extinction += matter[c].extinction;
+    }
+    if (!(extinction > 0.0f)) continue;
+    const float weight = (1 - state.opacity) * opacity_of(extinction * units * share);
+    const float of_color = weight / extinction;
+    for (std::uint32_t c = 0; c < channels; ++c) {
+      seen.color[c] = seen.color[c] + of_color * matter[c].color;
+      seen.weight[c] += of_color * matter[c].extinction;
+    }
+    const float middle = (static_cast<float>(part) + 0.5f) * share;
+    seen.total += weight;
+    seen.moment += weight * (span.begin + middle * (span.end - span.begin));
+    state.opacity += weight;
+    if (state.opacity >= kOpaque) {
+      state.phase = RayPhase::finished;
+      return;
     }
   }
-  for (int part = 0; part < parts.count && state.phase == RayPhase::under_way; ++part) {
-    scene::Matter sum;
-    for (std::uint32_t c = 0; c < channels; ++c) {
-      const scene::Matter& here = parts.matter[c][part];
-      if (!(here.extinction > 0.0f)) continue;
-      const float weight = factor[c] * here.extinction;
-      sum.color = sum.color + factor[c] * here.color * shade[c].body + weight * shade[c].glint;
-      sum.extinction += weight;
-    }
-    if (!(sum.extinction > 0.0f)) continue;
-    add(state, sum.color / sum.extinction,
-        opacity_of(sum.extinction * units / static_cast<float>(parts.count)));
+}
+
+/// Adds the colours of what is seen.
+template <std::uint32_t kChannels, typename Voxel, int M>
+GVX_HD void add_lit(const RayView& ray, const Stretch<Voxel, M>& s, std::uint32_t channels,
+                    const Slopes<kChannels, Voxel, M>* slopes, const Seen<kChannels>& seen, RayState& state) {
+  for (std::uint32_t c = 0; c < channels; ++c) {
+    if (!(seen.weight[c] > 0.0f)) continue;
+    const scene::Shade<float> shade = slopes != nullptr ? slopes->shade(ray, s, c) : scene::Shade<float>();
+    state.color = state.color + seen.color[c] * shade.body + seen.weight[c] * shade.glint;
   }
 }
 
@@ -151,6 +162,7 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
   const scene::Visibility& visibility = frame.visibility;
   const std::uint32_t channels = kChannels == 1 ? 1 : visibility.channels;
   const float units = frame.units_per_tick * static_cast<float>(frame.stride[s.level]);
+  const bool lit = frame.lighting.lighting.enabled;
   bool by_gradient = false;
   for (std::uint32_t c = 0; c < channels; ++c) {
     by_gradient = by_gradient || visibility.functions[c].gradient_factor != nullptr;
@@ -160,6 +172,18 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
     for (std::uint32_t c = 0; c < channels; ++c) samples[c] = sample_at(s, c, i, blend);
     ++state.samples;
   };
+  const auto see = [&](const Span<kChannels>& span, float span_units, Seen<kChannels>& seen) {
+    if (!(span.extinction > 0.0f)) return;
+    float factor[kChannels];
+    for (std::uint32_t c = 0; c < channels; ++c) factor[c] = 1;
+    if (!by_gradient) return see_span(visibility, span, channels, factor, span_units, seen, state);
+    const float i = s.held_in_voxel(span.centre, 0.5f * (span.begin + span.end));
+    const Slopes<kChannels, Voxel, M> slopes(frame, s, channels, i);
+    for (std::uint32_t c = 0; c < channels; ++c) factor[c] = slopes.factor(frame, s, c);
+    Seen<kChannels> of_span;
+    see_span(visibility, span, channels, factor, span_units, of_span, state);
+    add_lit(ray, s, channels, lit ? &slopes : nullptr, of_span, state);
+  };
   ScalarSample front[kChannels], back[kChannels];
   sample_all(-0.5f, front);
   for (std::int64_t step = 0; step < s.steps && state.phase == RayPhase::under_way; ++step) {
@@ -168,22 +192,27 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
     sample_all(end, back);
     const Span<kChannels> whole(visibility, channels, centre, begin, end, front, back);
     // Where the values change fast they do not change evenly.
-    const float opaque = std::fmin(whole.extinction * units, 1.0f);
-    const int cuts = static_cast<int>(std::fmin(1 + opaque * whole.longest / kWidePath, float(kMostCuts)));
+    const float adds = (1 - state.opacity) * std::fmin(whole.extinction * units, 1.0f);
+    const int cuts = static_cast<int>(std::fmin(1 + adds * whole.longest / kWidePath, float(kMostCuts)));
+    Seen<kChannels> seen;
     if (whole.extinction > 0.0f && cuts == 1) {
-      composite_span(ray, s, whole, channels, by_gradient, units, state);
+      see(whole, units, seen);
     } else if (whole.extinction > 0.0f) {
       const float share = 1 / static_cast<float>(cuts);
       for (int cut = 1; cut <= cuts && state.phase == RayPhase::under_way; ++cut) {
         ScalarSample next[kChannels];
         const float to = begin + static_cast<float>(cut) * share;
         sample_all(to, next);
-        const Span<kChannels> span(visibility, channels, centre, to - share, to, front, next);
-        if (span.extinction > 0.0f) {
-          composite_span(ray, s, span, channels, by_gradient, units * share, state);
-        }
+        see(Span<kChannels>(visibility, channels, centre, to - share, to, front, next), units * share, seen);
         for (std::uint32_t c = 0; c < channels; ++c) front[c] = next[c];
       }
+    }
+    if (seen.total > 0.0f && lit) {
+      // A surface may begin near the back end.
+      const Slopes<kChannels, Voxel, M> slopes(frame, s, channels, s.held_in_voxel(centre, seen.middle()));
+      add_lit(ray, s, channels, &slopes, seen, state);
+    } else if (seen.total > 0.0f) {
+      add_lit<kChannels, Voxel, M>(ray, s, channels, nullptr, seen, state);
     }
     for (std::uint32_t c = 0; c < channels; ++c) front[c] = back[c];
   }

@@ -1,5 +1,6 @@
 // composite_batch: composite.h once more, with a ray in each lane of a vector. What is said there holds here;
-// the same names mean the same. Compiled once for each instruction set.
+// the same names mean the same. Rays take plain steps side by side; those that come to a step that must be
+// cut wait, are put side by side anew, and go on. Compiled once for each instruction set.
 
 #include <type_traits>
 
@@ -26,310 +27,229 @@ namespace {
 HWY_INLINE Float opacity_of(Float depth) {
   return hn::Sub(all(1), hn::Exp(kFloats, hn::Neg(depth)));
 }
+HWY_INLINE Mask no_lanes() {
+  return hn::Lt(all(1), all(0));
+}
 
-/// The rays of a vector, and what they go through. kPlain: one brick whose voxels deviate from nothing.
-template <typename Voxel, bool kPlain>
-class Composite {
+/// ScalarSample, in entries.
+struct Place {
+  Float entry;
+  Float deviation;
+};
+template <bool kPlain>
+HWY_INLINE Place select(Mask mask, const Place& a, const Place& b) {
+  Place place{hn::IfThenElse(mask, a.entry, b.entry), b.deviation};
+  if constexpr (!kPlain) place.deviation = hn::IfThenElse(mask, a.deviation, b.deviation);
+  return place;
+}
+
+/// Somewhere below all that is seen: where the cells' masks say so, nothing is sampled.
+constexpr float kBelow = -1e30f;
+HWY_INLINE Place below() {
+  return {all(kBelow), hn::Zero(kFloats)};
+}
+
+/// EntryPath::mean along a ray's way through the function. kPlain: nothing deviates, so that what the table
+/// reads at a path's end serves for the next one's begin.
+template <bool kPlain>
+class Means {
  public:
-  HWY_INLINE Composite(const FrameView& frame, StretchBatch& batch, std::size_t lane)
-      : frame_(frame),
-        batch_(batch),
-        function_(frame.visibility.functions[0]),
-        lanes_(batch, lane),
-        edge_(static_cast<int>(batch.m)),
-        fine_(lanes_.fine(batch)),
-        coarse_(!kPlain && batch.blended ? lanes_.coarse(batch) : fine_),
-        to_eye_(frame.lighting.lighting.enabled ? lanes_.to_eye(batch) : fine_.first),
-        by_gradient_(frame.visibility.functions[0].gradient_factor != nullptr) {
-    lanes_.load(batch, color_, opacity_);
-    if (frame.lighting.lighting.enabled) halfways_.find(frame.lighting, to_eye_);
-  }
+  HWY_INLINE explicit Means(const Function& function) : function_(&function) {}
 
-  HWY_INLINE void run() {
-    const Int steps = hn::ConvertTo(kInts, lanes_.steps(fine_));
-    Int samples = hn::Zero(kInts);
-    const auto of_ints = [](Int mask) HWY_ATTR { return hn::Gt(mask, hn::Zero(kInts)); };
-    samples = hn::Sub(samples, hn::VecFromMask(kInts, of_ints(steps)));
-    Mask active = hn::And(hn::RebindMask(kFloats, of_ints(steps)), going());
-    const bool all_cells = !kPlain || batch_.cells == ~std::uint64_t(0);
-    const Float begin = all(-0.5f);
-    Place front = below();
-    const Mask begun = all_cells ? active : hn::And(active, may_be_seen(begin));
-    if (!none(begun)) front = select(begun, at(begin), front);
-    Place back = front;
-    Int step = hn::Zero(kInts);
-    Mask found = no_lanes();  // those before a step in which there is something to see
-    // Steps through nothing are cheap: lanes go through theirs until most have found something to see.
-    while (!none(active)) {
-      Mask searching = hn::AndNot(found, active);
-      do {
-        const Float end = hn::Add(hn::ConvertTo(kFloats, step), all(0.5f));
-        const Mask sampled =
-            all_cells ? searching
-                      : hn::And(searching, hn::Or(function_.above_first(front.entry), may_be_seen(end)));
-        // Whoever is beside it: a lane that need not be sampled is below.
-        if (!none(sampled)) {
-          back = select(hn::Or(found, sampled), at(end), below());
-        } else {
-          back = select(found, back, below());
-        }
-        samples = hn::Sub(samples, hn::VecFromMask(kInts, hn::RebindMask(kInts, sampled)));
-        const Mask visible = hn::AndNot(unseen(front, back), searching);
-        found = hn::Or(found, visible);
-        const Mask passing = hn::AndNot(visible, searching);
-        front = select(passing, back, front);
-        step = hn::Sub(step, hn::VecFromMask(kInts, hn::RebindMask(kInts, passing)));
-        active = hn::And(active, hn::RebindMask(kFloats, hn::Lt(step, steps)));
-        searching = hn::And(passing, active);
-      } while (!none(searching) &&
-               (none(found) || 4 * hn::CountTrue(kFloats, searching) > hn::Lanes(kFloats)));
-      if (none(found)) continue;
-      const Mask unknown = hn::And(found, hn::Lt(front.entry, all(0.1f * kBelow)));
-      if (!all_cells && !none(unknown)) {
-        front = select(unknown, at(hn::Sub(hn::ConvertTo(kFloats, step), all(0.5f))), front);
-      }
-      composite_step(hn::ConvertTo(kFloats, step), front, back, found, samples);
-      front = select(found, back, front);
-      step = hn::Sub(step, hn::VecFromMask(kInts, hn::RebindMask(kInts, found)));
-      active = hn::And(hn::And(active, going()), hn::RebindMask(kFloats, hn::Lt(step, steps)));
-      found = no_lanes();
-    }
-    lanes_.store(batch_, color_, opacity_, samples);
-  }
-
- private:
-  /// ScalarSample, in entries.
-  struct Place {
-    Float entry;
-    Float deviation;
-  };
-  HWY_INLINE static Place select(Mask mask, const Place& a, const Place& b) {
-    Place place{hn::IfThenElse(mask, a.entry, b.entry), b.deviation};
-    if constexpr (!kPlain) place.deviation = hn::IfThenElse(mask, a.deviation, b.deviation);
-    return place;
-  }
-
-  /// Somewhere below all that is seen: where the cells' masks say so, nothing is sampled.
-  static constexpr float kBelow = -1e30f;
-  HWY_INLINE static Place below() { return {all(kBelow), hn::Zero(kFloats)}; }
-  HWY_INLINE Mask may_be_seen(Float i) const { return in_visible_cell(batch_.cells, edge_, fine_.at(i)); }
-
-  /// Span.
-  struct Span {
-    Float centre, begin, length;
-    Float from, to, variance3;
-    Matter matter;
-    Float longest;
-  };
-
-  HWY_INLINE static Mask no_lanes() { return hn::Lt(all(1), all(0)); }
-  HWY_INLINE Mask going() const { return hn::Lt(opacity_, all(kOpaque)); }
-
-  HWY_INLINE const Voxel* texels(const StretchBatch::Path& path) const {
-    return reinterpret_cast<const Voxel*>(path.brick);
-  }
-  HWY_INLINE const std::uint8_t* deviations(const StretchBatch::Path& path) const {
-    return reinterpret_cast<const std::uint8_t*>(texels(path) + plane_texels(batch_.m));
-  }
-  HWY_INLINE Float blend_at(Float i) const {
-    return hn::Min(hn::Max(hn::MulAdd(i, coarse_.eighth, coarse_.fourth), hn::Zero(kFloats)), all(1));
-  }
-
-  GVX_PIECE Place at(Float i) const {
-    const Vec3v p = fine_.at(i);
-    const PlainTexels<Voxel> plain(batch_.fine.brick);
-    Float value;
-    if constexpr (kPlain && std::is_same_v<Voxel, std::uint8_t>) {
-      value = batch_.has_quads ? sample(QuadTexels{batch_.quads}, edge_, p) : sample(plain, edge_, p);
-    } else {
-      value = sample(plain, edge_, p);
-    }
-    Place place;
-    place.deviation = hn::Zero(kFloats);
-    if constexpr (!kPlain) {
-      if (batch_.fine.deviates) place.deviation = deviation(deviations(batch_.fine), edge_, p);
-      if (batch_.blended) {
-        const Vec3v q = coarse_.at(i);
-        const Float blend = blend_at(i);
-        value = mix(value, sample(PlainTexels<Voxel>(batch_.coarse.brick), edge_, q), blend);
-        place.deviation = mix(place.deviation, deviation(deviations(batch_.coarse), edge_, q), blend);
-      }
-      place.deviation = function_.to_entries(place.deviation);
-    }
-    place.entry = function_.entry_of(value);
-    return place;
-  }
-
-  HWY_INLINE Float spread(Float from, Float to, Float variance3) const {
-    const Float width = hn::Sub(to, from);
-    return hn::Sqrt(hn::MulAdd(hn::Mul(all(0.25f), width), width, variance3));
-  }
-  HWY_INLINE Float variance3_of(const Place& a, const Place& b) const {
+  HWY_INLINE static Float variance3(const Place& a, const Place& b) {
+    if constexpr (kPlain) return hn::Zero(kFloats);
     const Float deviation = hn::Mul(all(0.5f), hn::Add(a.deviation, b.deviation));
     return hn::Mul(all(3), hn::Mul(deviation, deviation));
   }
-
   HWY_INLINE Mask unseen(const Place& a, const Place& b) const {
-    if constexpr (kPlain) return function_.invisible(a.entry, b.entry);
-    const Float centre = hn::Mul(all(0.5f), hn::Add(a.entry, b.entry));
-    const Float half = spread(a.entry, b.entry, variance3_of(a, b));
-    return function_.invisible(hn::Sub(centre, half), hn::Add(centre, half));
+    Float from = a.entry, to = b.entry;
+    widen(variance3(a, b), from, to);
+    return function_->invisible(from, to);
   }
 
-  /// EntryPath::mean between two entries, of the lanes of `mask`.
-  GVX_PIECE Matter mean(Float from, Float to, Float variance3, Mask mask) const {
+  /// Of the lanes of `mask`; the others' matter is 0. Of a plain function paths must join.
+  GVX_PIECE Matter mean(Float from, Float to, Float variance3, Mask mask) {
     const Float centre = hn::Mul(all(0.5f), hn::Add(from, to));
-    if constexpr (!kPlain) {
-      const Float half = spread(from, to, variance3);
-      from = hn::Sub(centre, half);
-      to = hn::Add(centre, half);
-    }
+    widen(variance3, from, to);
     Matter m;
     for (Float& part : m.part) part = hn::Zero(kFloats);
-    mask = hn::AndNot(function_.invisible(from, to), mask);
-    if (none(mask)) return m;
-    const Mask even = function_.is_even(from, to);
-    const bool some_even = !none(hn::And(mask, even)), all_even = none(hn::AndNot(even, mask));
-    if (some_even) m = function_.density_at(centre);
-    if (!all_even) {
-      const Matter wide = function_.mean(function_.read(from), function_.read(to));
-      m = some_even ? render::HWY_NAMESPACE::select(even, m, wide) : wide;
+    mask = hn::AndNot(function_->invisible(from, to), mask);
+    const Mask uneven = hn::AndNot(function_->is_even(from, to), mask);
+    const bool some_even = !none(hn::AndNot(uneven, mask)), some_uneven = !none(uneven);
+    if (some_even) m = function_->density_at(centre);
+    if (some_uneven) {
+      if (!kPlain || !known_) function_->read(from, reading_[last_]);
+      function_->read(to, reading_[1 - last_]);
+      const Matter wide = function_->mean(reading_[last_], reading_[1 - last_]);
+      for (int i = 0; i < 4; ++i) m.part[i] = hn::IfThenElse(uneven, wide.part[i], m.part[i]);
+      last_ = 1 - last_;
     }
+    known_ = some_uneven;
     for (Float& part : m.part) part = hn::IfThenElseZero(mask, part);
     return m;
   }
 
-  GVX_PIECE Span span_of(Float centre, Float begin, Float length, const Place& front, const Place& back,
-                         Mask mask) const {
-    Span span;
-    span.centre = centre;
-    span.begin = begin;
-    span.length = length;
-    span.from = front.entry;
-    span.to = back.entry;
-    span.longest = hn::Abs(hn::Sub(back.entry, front.entry));
-    span.variance3 = variance3_of(front, back);
-    span.matter = mean(span.from, span.to, span.variance3, mask);
-    return span;
+ private:
+  HWY_INLINE static void widen(Float variance3, Float& from, Float& to) {
+    if constexpr (kPlain) return;
+    const Float centre = hn::Mul(all(0.5f), hn::Add(from, to)), width = hn::Sub(to, from);
+    const Float half = hn::Sqrt(hn::MulAdd(hn::Mul(all(0.25f), width), width, variance3));
+    from = hn::Sub(centre, half);
+    to = hn::Add(centre, half);
   }
 
-  /// A step between two places, of the lanes of `mask`.
-  GVX_PIECE void composite_step(Float centre, const Place& front, const Place& back, Mask mask,
-                                Int& samples) {
-    const Float units = all(batch_.units), one = all(1);
-    const Float begin = hn::Sub(centre, all(0.5f));
-    const Span whole = span_of(centre, begin, one, front, back, mask);
-    const Float extinction = whole.matter.part[3];
-    mask = hn::And(mask, hn::Gt(extinction, hn::Zero(kFloats)));
-    if (none(mask)) return;
-    const Float opaque = hn::Min(hn::Mul(extinction, units), one);
-    const Float wanted =
-        hn::Min(hn::MulAdd(hn::Mul(opaque, whole.longest), all(1 / kWidePath), one), all(float(kMostCuts)));
-    const Float cuts = hn::Floor(wanted);
-    if (none(hn::And(mask, hn::Gt(cuts, one)))) {
-      composite_span(whole, units, mask);
-      return;
-    }
-    const Float share = hn::Div(one, cuts);
-    Place from = front;
-    for (float cut = 1;; cut += 1) {
-      mask = hn::And(mask, hn::And(hn::Le(all(cut), cuts), going()));
-      if (none(mask)) break;
-      const Float end = hn::MulAdd(all(cut), share, begin);
-      const Place to = at(end);
-      // A step that is not cut ends where it was sampled already.
-      samples =
-          hn::Sub(samples, hn::VecFromMask(kInts, hn::RebindMask(kInts, hn::And(mask, hn::Gt(cuts, one)))));
-      const Span span = span_of(centre, hn::Sub(end, share), share, from, to, mask);
-      composite_span(span, hn::Mul(units, share),
-                     hn::And(mask, hn::Gt(span.matter.part[3], hn::Zero(kFloats))));
-      from = to;
-    }
+  const Function* function_;
+  Reading reading_[2];  // to copy one takes long: a compiler does it in halves of vectors
+  int last_ = 0;        // where the last path ended
+  bool known_ = false;
+};
+
+/// Seen.
+struct Seen {
+  Vec3v color;
+  Float weight, moment;
+
+  HWY_INLINE static Seen nothing() {
+    const Float zero = hn::Zero(kFloats);
+    return {{zero, zero, zero}, zero, zero};
+  }
+};
+
+/// The gradient, in stored values a voxel of the levels that are blended.
+struct Slope {
+  Vec3v gradient;
+  Float blend;
+};
+
+/// The rays of a vector, and what they go through. kPlain_: one brick whose voxels deviate from nothing.
+template <typename Voxel, typename Texels_, bool kPlain_>
+class Rays {
+ public:
+  using Texels = Texels_;
+  static constexpr bool kPlain = kPlain_;
+
+  HWY_INLINE Rays(const FrameView& frame, StretchBatch& batch, const Function& function, const Texels& texels,
+                  const std::int32_t* rows, std::size_t count)
+      : frame_(frame),
+        batch_(batch),
+        function_(function),
+        texels_(texels),
+        lanes_(batch, rows, count),
+        edge_(static_cast<int>(batch.m)),
+        fine_(lanes_.fine(batch)),
+        coarse_(!kPlain && batch.blended ? lanes_.coarse(batch) : fine_),
+        to_eye_(frame.lighting.lighting.enabled ? lanes_.to_eye(batch) : fine_.first) {
+    lanes_.load(batch, color_, opacity_);
+    if (is_lit()) halfways_.find(frame.lighting, to_eye_);
   }
 
-  GVX_PIECE void composite_span(const Span& span, Float units, Mask mask) {
-    if (none(mask)) return;
-    const Float zero = hn::Zero(kFloats), one = all(1);
-    const Float most = all(float(kMostParts));
-    const Float thin = hn::MulAdd(hn::Mul(span.matter.part[3], units), all(1 / kThinDepth), one);
-    const Float parts =
-        hn::IfThenElse(hn::Gt(span.longest, all(kNarrowPath)), hn::Floor(hn::Min(thin, most)), one);
-    const Mask parted = hn::Gt(parts, one);
-    const Float share = hn::Div(one, parts);
-    Matter matter[kMostParts];
-    Float opacity[kMostParts];
-    Float seen_at = all(0.5f);
-    int count = 1;
-    if (none(hn::And(mask, parted))) {
-      matter[0] = span.matter;
-      opacity[0] = opacity_of(hn::Mul(span.matter.part[3], units));
+  HWY_INLINE const BatchLanes& lanes() const { return lanes_; }
+  HWY_INLINE Float steps() const { return lanes_.steps(fine_); }
+  HWY_INLINE Mask going() const { return hn::Lt(opacity_, all(kOpaque)); }
+  HWY_INLINE Mask may_be_seen(Float i) const { return in_visible_cell(batch_.cells, edge_, fine_.at(i)); }
+  HWY_INLINE void count_samples(Mask mask) {
+    samples_ = hn::Sub(samples_, hn::VecFromMask(kInts, hn::RebindMask(kInts, mask)));
+  }
+  HWY_INLINE void store() { lanes_.store(batch_, color_, opacity_, samples_); }
+
+  /// The places i of several vectors of rays.
+  template <int kVectors>
+  HWY_INLINE static void sample_all(const Rays (&rays)[kVectors], const Float (&i)[kVectors],
+                                    Place (&places)[kVectors]) {
+    if constexpr (kPlain) {
+      Vec3v p[kVectors];
+      for (int k = 0; k < kVectors; ++k) p[k] = rays[k].fine_.at(i[k]);
+      CellSample samples[kVectors];
+      cell_samples(rays[0].texels_, rays[0].edge_, p, false, samples);
+      for (int k = 0; k < kVectors; ++k) {
+        places[k] = {rays[0].function_.entry_of(samples[k].value), hn::Zero(kFloats)};
+      }
     } else {
-      count = static_cast<int>(hn::GetLane(hn::MaxOfLanes(kFloats, hn::IfThenElseZero(mask, parts))));
-      const Float length = hn::Mul(hn::Sub(span.to, span.from), share);
-      const Float depth = hn::Mul(units, share);
-      Float left = one, moment = zero;
-      for (int part = 0; part < count; ++part) {
-        const Float number = all(static_cast<float>(part));
-        const Float to = hn::MulAdd(hn::Add(number, one), length, span.from);
-        const Matter here = mean(hn::Sub(to, length), to, span.variance3, hn::And(mask, parted));
-        matter[part] = render::HWY_NAMESPACE::select(parted, here, span.matter);
-        const Float seen = opacity_of(hn::Mul(matter[part].part[3], depth));
-        opacity[part] = hn::IfThenElseZero(hn::Lt(number, parts), seen);
-        const Float middle = hn::Mul(hn::Add(number, all(0.5f)), share);
-        moment = hn::MulAdd(hn::Mul(left, opacity[part]), middle, moment);
-        left = hn::Mul(left, hn::Sub(one, opacity[part]));
-      }
-      const Mask moved = hn::And(parted, hn::Lt(left, one));
-      seen_at =
-          hn::IfThenElse(moved, hn::Div(moment, hn::Sub(one, hn::IfThenElseZero(moved, left))), seen_at);
-    }
-    Shade light{{one, one, one}, {zero, zero, zero}};
-    const bool lit = frame_.lighting.lighting.enabled;
-    if (lit || by_gradient_) {
-      const Float at = held_in_voxel(fine_, span.centre, hn::MulAdd(seen_at, span.length, span.begin));
-      const Slope slope = slope_at(at);
-      if (lit) light = shade_at(at, slope);
-      if (by_gradient_) {
-        const Float depth = hn::Mul(hn::Mul(units, share), factor_of(slope));
-        for (int part = 0; part < count; ++part) {
-          const Float seen = opacity_of(hn::Mul(matter[part].part[3], depth));
-          opacity[part] = hn::IfThenElseZero(hn::Lt(all(static_cast<float>(part)), parts), seen);
-        }
-      }
-    }
-    for (int part = 0; part < count; ++part) {
-      const Matter& m = matter[part];
-      // Lanes of no concern may hold anything: they are kept out by selection, not by a weight of 0.
-      const Mask seen =
-          hn::And(hn::And(mask, going()), hn::And(hn::Gt(m.part[3], zero), hn::Gt(opacity[part], zero)));
-      if (none(seen)) continue;
-      const Float weight = hn::Mul(hn::Sub(one, opacity_), opacity[part]);
-      const Float of_color = hn::Div(weight, hn::IfThenElse(seen, m.part[3], one));
-      color_.x = gather_color(seen, color_.x, m.part[0], of_color, weight, light.body.x, light.glint.x, lit);
-      color_.y = gather_color(seen, color_.y, m.part[1], of_color, weight, light.body.y, light.glint.y, lit);
-      color_.z = gather_color(seen, color_.z, m.part[2], of_color, weight, light.body.z, light.glint.z, lit);
-      opacity_ = hn::IfThenElse(seen, hn::Add(opacity_, weight), opacity_);
+      for (int k = 0; k < kVectors; ++k) places[k] = rays[k].at(i[k]);
     }
   }
-
-  HWY_INLINE static Float gather_color(Mask seen, Float sum, Float color, Float of_color, Float weight,
-                                       Float body, Float glint, bool lit) {
-    const Float more = lit ? hn::MulAdd(weight, glint, hn::MulAdd(hn::Mul(of_color, color), body, sum))
-                           : hn::MulAdd(of_color, color, sum);
-    return hn::IfThenElse(seen, more, sum);
+  HWY_NOINLINE Place at(Float i) const {
+    const Vec3v p = fine_.at(i);
+    Float value = sample(texels_, edge_, p), deviates = hn::Zero(kFloats);
+    if constexpr (!kPlain) {
+      if (batch_.fine.deviates) deviates = deviation(deviations(batch_.fine), edge_, p);
+      if (batch_.blended) {
+        const Vec3v q = coarse_.at(i);
+        const Float blend = blend_at(i);
+        value = mix(value, sample(PlainTexels<Voxel>(batch_.coarse.brick), edge_, q), blend);
+        deviates = mix(deviates, deviation(deviations(batch_.coarse), edge_, q), blend);
+      }
+      deviates = function_.to_entries(deviates);
+    }
+    return {function_.entry_of(value), deviates};
   }
 
-  /// The gradient, in stored values a voxel of the levels that are blended.
-  struct Slope {
-    Vec3v gradient;
-    Float blend;
-  };
+  /// How many times a step is sampled, and into how many parts a span is cut, by its matter and the entries
+  /// that it goes through.
+  HWY_INLINE Float cuts(Float extinction, Float longest) const {
+    const Float adds = hn::Mul(left(), hn::Min(hn::Mul(extinction, all(batch_.units)), all(1)));
+    return hn::Floor(
+        hn::Min(hn::MulAdd(hn::Mul(adds, longest), all(1 / kWidePath), all(1)), all(float(kMostCuts))));
+  }
+  HWY_INLINE Float parts(Float extinction, Float units, Float longest) const {
+    const Float adds = hn::Mul(left(), hn::Mul(extinction, units));
+    const Float thin = hn::MulAdd(adds, all(1 / kThinDepth), all(1));
+    return hn::IfThenElse(hn::Gt(longest, all(kNarrowPath)), hn::Floor(hn::Min(thin, all(float(kMostParts)))),
+                          all(1));
+  }
+
+  /// see_span of one part, whose middle is at place i: of the lanes of `mask`.
+  HWY_INLINE void see(const Matter& m, Float units, Float i, Mask mask, Seen& seen) {
+    mask = hn::And(hn::And(mask, going()), hn::Gt(m.part[3], hn::Zero(kFloats)));
+    const Float weight = hn::IfThenElseZero(mask, hn::Mul(left(), opacity_of(hn::Mul(m.part[3], units))));
+    const Float of_color = hn::Div(weight, hn::IfThenElse(mask, m.part[3], all(1)));
+    seen.color = {hn::MulAdd(of_color, m.part[0], seen.color.x),
+                  hn::MulAdd(of_color, m.part[1], seen.color.y),
+                  hn::MulAdd(of_color, m.part[2], seen.color.z)};
+    seen.weight = hn::Add(seen.weight, weight);
+    seen.moment = hn::MulAdd(weight, i, seen.moment);
+    opacity_ = hn::Add(opacity_, weight);
+  }
+
+  HWY_INLINE bool is_lit() const { return frame_.lighting.lighting.enabled; }
+  HWY_INLINE bool by_gradient() const { return frame_.visibility.functions[0].gradient_factor != nullptr; }
+
+  /// add_lit: what is seen of the steps with these centres, lit where it is seen. Where the gradient matters
+  /// that was done before.
+  HWY_NOINLINE void add_lit(Float centre, const Seen& seen) {
+    if (!is_lit()) return add(seen);
+    const Mask some = hn::Gt(seen.weight, hn::Zero(kFloats));
+    if (none(some)) return;
+    const Float middle = hn::Div(seen.moment, hn::IfThenElse(some, seen.weight, all(1)));
+    const Float i = held_in_voxel(fine_, centre, hn::IfThenElse(some, middle, centre));
+    add_lit(i, slope_at(i), seen);
+  }
+  HWY_INLINE void add_lit(Float i, const Slope& slope, const Seen& seen) {
+    if (!is_lit()) return add(seen);
+    const Shade light = shade_at(i, slope);
+    // Where nothing is seen shades may be anything.
+    const Mask some = hn::Gt(seen.weight, hn::Zero(kFloats));
+    const auto lit = [&](Float sum, Float color, Float body, Float glint) HWY_ATTR {
+      const Float more = hn::MulAdd(color, body, hn::Mul(seen.weight, glint));
+      return hn::Add(sum, hn::IfThenElseZero(some, more));
+    };
+    color_ = {lit(color_.x, seen.color.x, light.body.x, light.glint.x),
+              lit(color_.y, seen.color.y, light.body.y, light.glint.y),
+              lit(color_.z, seen.color.z, light.body.z, light.glint.z)};
+  }
+  HWY_INLINE void add(const Seen& seen) {
+    color_ = {hn::Add(color_.x, seen.color.x), hn::Add(color_.y, seen.color.y),
+              hn::Add(color_.z, seen.color.z)};
+  }
+
+  /// Slopes at a place on the way of the step with this centre to place i.
+  HWY_INLINE Float held(Float centre, Float i) const { return held_in_voxel(fine_, centre, i); }
   HWY_NOINLINE Slope slope_at(Float i) const {
-    Slope slope{gradient(texels(batch_.fine), edge_, fine_.at(i)), hn::Zero(kFloats)};
+    Slope slope{gradient(texels_, edge_, fine_.at(i)), hn::Zero(kFloats)};
     if constexpr (!kPlain) {
       if (batch_.blended) {
         slope.blend = blend_at(i);
-        const Vec3v coarse = gradient(texels(batch_.coarse), edge_, coarse_.at(i));
+        const Vec3v coarse = gradient(PlainTexels<Voxel>(batch_.coarse.brick), edge_, coarse_.at(i));
         Vec3v& g = slope.gradient;
         g = {mix(g.x, coarse.x, slope.blend), mix(g.y, coarse.y, slope.blend),
              mix(g.z, coarse.z, slope.blend)};
@@ -337,8 +257,28 @@ class Composite {
     }
     return slope;
   }
+  HWY_NOINLINE Float factor_of(const Slope& slope) const {
+    Float across = all(batch_.fine.voxels_across);
+    if constexpr (!kPlain) {
+      if (batch_.blended) across = mix(across, all(batch_.coarse.voxels_across), slope.blend);
+    }
+    const Vec3v world = to_world(frame_, slope.gradient);
+    return function_.factor_of_gradient(hn::Mul(hn::Sqrt(dot(world, world)), across));
+  }
 
-  /// RayView::shade at place i.
+ private:
+  HWY_INLINE Float left() const { return hn::Sub(all(1), opacity_); }
+
+  HWY_INLINE static const Voxel* voxels(const StretchBatch::Path& path) {
+    return reinterpret_cast<const Voxel*>(path.brick);
+  }
+  HWY_INLINE const std::uint8_t* deviations(const StretchBatch::Path& path) const {
+    return reinterpret_cast<const std::uint8_t*>(voxels(path) + plane_texels(batch_.m));
+  }
+  HWY_INLINE Float blend_at(Float i) const {
+    return hn::Min(hn::Max(hn::MulAdd(i, coarse_.eighth, coarse_.fourth), hn::Zero(kFloats)), all(1));
+  }
+
   HWY_NOINLINE Shade shade_at(Float i, const Slope& slope) const {
     Float scale = all(batch_.fine.gradient_scale);
     if constexpr (!kPlain) {
@@ -348,42 +288,311 @@ class Composite {
                  [&]() HWY_ATTR { return lanes_.places(batch_).at(i); });
   }
 
-  /// TransferView::factor_of_gradient.
-  HWY_NOINLINE Float factor_of(const Slope& slope) const {
-    Float voxels = all(batch_.fine.voxels_across);
-    if constexpr (!kPlain) {
-      if (batch_.blended) voxels = mix(voxels, all(batch_.coarse.voxels_across), slope.blend);
-    }
-    const Vec3v world = to_world(frame_, slope.gradient);
-    return function_.factor_of_gradient(hn::Mul(hn::Sqrt(dot(world, world)), voxels));
-  }
-
   const FrameView& frame_;
   StretchBatch& batch_;
-  const Function function_;
+  const Function& function_;
+  const Texels& texels_;
   const BatchLanes lanes_;
   const int edge_;
   const PathRows fine_, coarse_;
   const Vec3v to_eye_;
-  const bool by_gradient_;
   Halfways halfways_;
   Vec3v color_;
   Float opacity_;
+  Int samples_ = hn::Zero(kInts);
 };
+
+/// Steps of several vectors of rays at once, each to its end or to a step that must be cut: there a ray
+/// waits, so that those that are cut fill vectors.
+template <typename RaysOf, int kVectors>
+class Stepping {
+ public:
+  static constexpr bool kPlain = RaysOf::kPlain;
+
+  HWY_INLINE Stepping(StretchBatch& batch, const Function& function, RaysOf (&rays)[kVectors])
+      : batch_(batch),
+        function_(function),
+        rays_(rays),
+        all_cells_(!kPlain || batch.cells == ~std::uint64_t(0)) {}
+
+  /// `begun`: they go on from where they waited.
+  HWY_INLINE void run(bool begun) {
+    for (int k = 0; k < kVectors; ++k) {
+      end_[k] = rays_[k].steps();
+      waits_[k] = no_lanes();
+    }
+    if (begun) {
+      go_on();
+    } else {
+      begin();
+    }
+    Means<kPlain> means[2] = {Means<kPlain>(function_), Means<kPlain>(function_)};
+    while (true) {
+      for (int k = 0; k < kVectors; ++k) {
+        active_[k] = hn::And(hn::And(active_[k], hn::Lt(step_[k], end_[k])), rays_[k].going());
+      }
+      if (none_of(active_)) break;
+      Place back[kVectors];
+      Mask visible[kVectors];
+      look_ahead(means, back, visible);
+      const bool some_visible = !none_of(visible);
+      if (some_visible && !all_cells_) look_back(visible, means);
+      for (int k = 0; k < kVectors; ++k) {
+        if (some_visible) see_step(k, means[k], back[k], visible[k]);
+        front_[k] = back[k];
+        step_[k] = hn::Add(step_[k], all(1));
+        if (!some_visible) means[k] = Means<kPlain>(function_);
+      }
+    }
+    for (int k = 0; k < kVectors; ++k) {
+      rays_[k].store();
+      if (none(waits_[k])) continue;
+      rays_[k].lanes().wait(batch_, waits_[k], wait_[k], batch_.waiting_row, batch_.waiting_count);
+    }
+  }
+
+ private:
+  HWY_INLINE void begin() {
+    Float i[kVectors];
+    Mask begun[kVectors];
+    for (int k = 0; k < kVectors; ++k) {
+      step_[k] = hn::Zero(kFloats);
+      i[k] = all(-0.5f);
+      front_[k] = below();
+      active_[k] = hn::And(hn::Lt(step_[k], end_[k]), rays_[k].going());
+      begun[k] = all_cells_ ? active_[k] : hn::And(active_[k], rays_[k].may_be_seen(i[k]));
+    }
+    if (none_of(begun)) return;
+    Place at[kVectors];
+    RaysOf::sample_all(rays_, i, at);
+    for (int k = 0; k < kVectors; ++k) {
+      rays_[k].count_samples(begun[k]);
+      front_[k] = select<kPlain>(begun[k], at[k], front_[k]);
+    }
+  }
+  HWY_INLINE void go_on() {
+    for (int k = 0; k < kVectors; ++k) {
+      const PathRows waited = rays_[k].lanes().waiting(batch_);
+      step_[k] = waited.first.x;
+      front_[k] = {waited.first.y, waited.first.z};
+      active_[k] = rays_[k].lanes().valid();
+    }
+  }
+
+  /// Finds the places where the steps end, and which of them have something to see.
+  HWY_INLINE void look_ahead(const Means<kPlain> (&means)[2], Place (&back)[kVectors],
+                             Mask (&visible)[kVectors]) {
+    Float end[kVectors];
+    Mask sampled[kVectors];
+    for (int k = 0; k < kVectors; ++k) {
+      back[k] = below();
+      visible[k] = no_lanes();
+      end[k] = hn::Add(step_[k], all(0.5f));
+      sampled[k] = active_[k];
+      if (all_cells_) continue;
+      const Mask some = hn::Or(function_.above_first(front_[k].entry), rays_[k].may_be_seen(end[k]));
+      sampled[k] = hn::And(sampled[k], some);
+    }
+    if (!all_cells_ && none_of(sampled)) return;
+    RaysOf::sample_all(rays_, end, back);
+    for (int k = 0; k < kVectors; ++k) {
+      rays_[k].count_samples(sampled[k]);
+      // Whoever is beside it: a lane that need not be sampled is below.
+      if (!all_cells_) back[k] = select<kPlain>(sampled[k], back[k], below());
+      visible[k] = hn::AndNot(means[k].unseen(front_[k], back[k]), active_[k]);
+    }
+  }
+  /// Samples the fronts of visible steps that were taken for below.
+  HWY_INLINE void look_back(const Mask (&visible)[kVectors], Means<kPlain> (&means)[2]) {
+    Float i[kVectors];
+    Mask unknown[kVectors];
+    for (int k = 0; k < kVectors; ++k) {
+      i[k] = hn::Sub(step_[k], all(0.5f));
+      unknown[k] = hn::And(visible[k], hn::Lt(front_[k].entry, all(0.1f * kBelow)));
+    }
+    if (none_of(unknown)) return;
+    Place at[kVectors];
+    RaysOf::sample_all(rays_, i, at);
+    for (int k = 0; k < kVectors; ++k) {
+      rays_[k].count_samples(unknown[k]);
+      front_[k] = select<kPlain>(unknown[k], at[k], front_[k]);
+      means[k] = Means<kPlain>(function_);
+    }
+  }
+
+  HWY_INLINE void see_step(int k, Means<kPlain>& means, const Place& back, Mask visible) {
+    RaysOf& rays = rays_[k];
+    const Place& front = front_[k];
+    const Float variance3 = Means<kPlain>::variance3(front, back);
+    const Matter matter = means.mean(front.entry, back.entry, variance3, visible);
+    const Float extinction = matter.part[3], units = all(batch_.units);
+    visible = hn::And(visible, hn::Gt(extinction, hn::Zero(kFloats)));
+    if (none(visible)) return;
+    const Float longest = hn::Abs(hn::Sub(back.entry, front.entry));
+    const Float pieces = hn::Max(rays.cuts(extinction, longest), rays.parts(extinction, units, longest));
+    const Mask waiting = hn::And(visible, hn::Gt(pieces, all(1)));
+    if (!none(waiting)) {
+      const Float numbers[5] = {step_[k], front.entry, front.deviation, back.entry, back.deviation};
+      for (int n = 0; n < 5; ++n) wait_[k][n] = hn::IfThenElse(waiting, numbers[n], wait_[k][n]);
+      waits_[k] = hn::Or(waits_[k], waiting);
+      active_[k] = hn::AndNot(waiting, active_[k]);
+      visible = hn::AndNot(waiting, visible);
+      if (none(visible)) return;
+    }
+    const Float centre = step_[k];
+    Seen seen = Seen::nothing();
+    if (rays.by_gradient()) {
+      const Slope slope = rays.slope_at(centre);
+      rays.see(matter, hn::Mul(units, rays.factor_of(slope)), centre, visible, seen);
+      return rays.add_lit(centre, slope, seen);
+    }
+    rays.see(matter, units, centre, visible, seen);
+    if (!rays.is_lit()) return rays.add(seen);
+    rays.add_lit(centre, rays.slope_at(centre), seen);
+  }
+
+  StretchBatch& batch_;
+  const Function& function_;
+  RaysOf (&rays_)[kVectors];
+  const bool all_cells_;
+  Float step_[kVectors], end_[kVectors];
+  Place front_[kVectors];
+  Mask active_[kVectors];
+  Mask waits_[kVectors];
+  Float wait_[kVectors][5];  // StretchBatch::waiting
+};
+
+/// The steps that a vector of rays waits for: each is cut.
+template <typename RaysOf>
+class Cutting {
+ public:
+  static constexpr bool kPlain = RaysOf::kPlain;
+
+  HWY_INLINE Cutting(StretchBatch& batch, const Function& function, RaysOf& rays)
+      : batch_(batch), rays_(rays), means_(function), seen_(Seen::nothing()) {}
+
+  /// Rays that have a next step are appended to the batch's order.
+  HWY_NOINLINE void run(std::uint32_t& going_on) {
+    const PathRows waited = rays_.lanes().waiting(batch_);
+    const Mask valid = rays_.lanes().valid();
+    centre_ = waited.first.x;
+    Place from{waited.first.y, waited.first.z};
+    const Place back{waited.fourth, waited.per_step.x};
+    Means<kPlain> ahead = means_;
+    const Matter whole = ahead.mean(from.entry, back.entry, Means<kPlain>::variance3(from, back), valid);
+    const Float cuts = rays_.cuts(whole.part[3], hn::Abs(hn::Sub(back.entry, from.entry)));
+    const Float share = hn::Div(all(1), cuts), begin = hn::Sub(centre_, all(0.5f));
+    const Float units = hn::Mul(all(batch_.units), share);
+    const float most = hn::GetLane(hn::MaxOfLanes(kFloats, hn::IfThenElseZero(valid, cuts)));
+    for (float cut = 1; cut <= most; cut += 1) {
+      const Mask mask = hn::And(hn::And(valid, rays_.going()), hn::Le(all(cut), cuts));
+      if (none(mask)) break;
+      const Float end = hn::MulAdd(all(cut), share, begin);
+      const Place to = rays_.at(end);
+      // A step that is not cut ends where it was sampled already.
+      rays_.count_samples(hn::And(mask, hn::Gt(cuts, all(1))));
+      see_span(from, to, hn::Sub(end, share), share, units, mask);
+      from = to;
+    }
+    rays_.add_lit(centre_, seen_);
+    rays_.store();
+    const Float next = hn::Add(centre_, all(1));
+    const Float numbers[5] = {next, back.entry, back.deviation, back.entry, back.deviation};
+    const Mask on = hn::And(hn::And(valid, rays_.going()), hn::Lt(next, rays_.steps()));
+    rays_.lanes().wait(batch_, on, numbers, batch_.order, going_on);
+  }
+
+ private:
+  HWY_NOINLINE void see_span(const Place& from, const Place& to, Float begin, Float length, Float units,
+                          Mask mask) {
+    const Float variance3 = Means<kPlain>::variance3(from, to);
+    Means<kPlain> ahead = means_;
+    const Matter whole = ahead.mean(from.entry, to.entry, variance3, mask);
+    mask = hn::And(mask, hn::Gt(whole.part[3], hn::Zero(kFloats)));
+    if (none(mask)) {
+      means_ = ahead;
+      return;
+    }
+    const Float way = hn::Sub(to.entry, from.entry);
+    const Float parts = rays_.parts(whole.part[3], units, hn::Abs(way));
+    Seen of_span = Seen::nothing();
+    Seen& seen = rays_.by_gradient() ? of_span : seen_;
+    Float lit_at = centre_;
+    Slope slope;
+    if (rays_.by_gradient()) {
+      lit_at = rays_.held(centre_, hn::MulAdd(all(0.5f), length, begin));
+      slope = rays_.slope_at(lit_at);
+      units = hn::Mul(units, rays_.factor_of(slope));
+    }
+    if (none(hn::And(mask, hn::Gt(parts, all(1))))) {
+      rays_.see(whole, units, hn::MulAdd(all(0.5f), length, begin), mask, seen);
+      means_ = ahead;
+    } else {
+      const float most = hn::GetLane(hn::MaxOfLanes(kFloats, hn::IfThenElseZero(mask, parts)));
+      const Float share = hn::Div(all(1), parts), part_units = hn::Mul(units, share);
+      const Float part_way = hn::Mul(way, share), part_length = hn::Mul(length, share);
+      Float at = from.entry;
+      for (float part = 0; part < most; part += 1) {
+        const Float number = all(part), next_number = all(part + 1);
+        const Float next = hn::IfThenElse(hn::Lt(next_number, parts),
+                                          hn::MulAdd(next_number, part_way, from.entry), to.entry);
+        const Mask here = hn::And(mask, hn::Lt(number, parts));
+        const Matter matter = means_.mean(at, next, variance3, here);
+        rays_.see(matter, part_units, hn::MulAdd(all(part + 0.5f), part_length, begin), here, seen);
+        at = next;
+      }
+    }
+    if (rays_.by_gradient()) rays_.add_lit(lit_at, slope, seen);
+  }
+
+  StretchBatch& batch_;
+  RaysOf& rays_;
+  Means<kPlain> means_;
+  Float centre_;
+  Seen seen_;
+};
+
+template <typename Voxel, bool kPlain, typename Texels>
+void composite_with(const FrameView& frame, StretchBatch& batch, const Texels& texels) {
+  using RaysOf = Rays<Voxel, Texels, kPlain>;
+  constexpr std::size_t kLanes = hn::MaxLanes(kFloats);
+  const Function function(frame.visibility.functions[0]);
+  const auto rays_at = [&](const std::int32_t* rows, std::size_t count)
+                           HWY_ATTR { return RaysOf(frame, batch, function, texels, rows, count); };
+  std::uint32_t stepping = batch.count;
+  for (bool begun = false; stepping > 0; begun = true) {
+    batch.waiting_count = 0;
+    std::size_t lane = 0;
+    if constexpr (kPlain) {
+      for (; lane + kLanes < stepping; lane += 2 * kLanes) {
+        RaysOf rays[2] = {rays_at(batch.order + lane, kLanes),
+                          rays_at(batch.order + lane + kLanes, stepping - lane - kLanes)};
+        Stepping<RaysOf, 2>(batch, function, rays).run(begun);
+      }
+    }
+    for (; lane < stepping; lane += kLanes) {
+      RaysOf rays[1] = {rays_at(batch.order + lane, stepping - lane)};
+      Stepping<RaysOf, 1>(batch, function, rays).run(begun);
+    }
+    stepping = 0;
+    for (lane = 0; lane < batch.waiting_count; lane += kLanes) {
+      RaysOf rays = rays_at(batch.waiting_row + lane, batch.waiting_count - lane);
+      Cutting<RaysOf>(batch, function, rays).run(stepping);
+    }
+  }
+}
 
 template <typename Voxel>
 void composite_all(const FrameView& frame, StretchBatch& batch) {
-  const bool plain = !batch.blended && !batch.fine.deviates;
   batch.has_quads = false;
   batch.opaque_count = 0;
-  if constexpr (std::is_same_v<Voxel, std::uint8_t>) batch.has_quads = plain && makes_quads(batch);
-  for (std::size_t lane = 0; lane < batch.count; lane += hn::Lanes(kFloats)) {
-    if (plain) {
-      Composite<Voxel, true>(frame, batch, lane).run();
-    } else {
-      Composite<Voxel, false>(frame, batch, lane).run();
-    }
+  const PlainTexels<Voxel> texels(batch.fine.brick);
+  if (batch.blended || batch.fine.deviates) return composite_with<Voxel, false>(frame, batch, texels);
+  if constexpr (std::is_same_v<Voxel, std::uint8_t>) {
+    batch.has_quads = makes_quads(batch);
+    if (batch.has_quads) return composite_with<Voxel, true>(frame, batch, QuadTexels{batch.quads});
   }
+  composite_with<Voxel, true>(frame, batch, texels);
 }
 
 }  // namespace

@@ -110,10 +110,9 @@ class SurfaceFinder {
     const Float zero = hn::Zero(kFloats), one = all(1);
     if (!frame_.lighting.lighting.enabled) return {{one, one, one}, {zero, zero, zero}};
     const Float lit = held_in_voxel(fine_, centre, hit);
-    Vec3v g = gradient(reinterpret_cast<const Voxel*>(batch_.fine.brick), edge_, fine_.at(lit));
+    Vec3v g = gradient(PlainTexels<Voxel>(batch_.fine.brick), edge_, fine_.at(lit));
     if (batch_.blended) {
-      const Vec3v coarse =
-          gradient(reinterpret_cast<const Voxel*>(batch_.coarse.brick), edge_, coarse_.at(lit));
+      const Vec3v coarse = gradient(PlainTexels<Voxel>(batch_.coarse.brick), edge_, coarse_.at(lit));
       const Float blend = blend_at(lit);
       g = {mix(g.x, coarse.x, blend), mix(g.y, coarse.y, blend), mix(g.z, coarse.z, blend)};
     }

@@ -20,51 +20,6 @@ HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
 namespace {
 
-/// brick::CellSample.
-struct Sample {
-  Float value;
-  Vec3v gradient;
-};
-
-/// Of several vectors of places at once. Each thing is done for all before the next: what one waits for, the
-/// others fill.
-template <typename Texels, int kVectors>
-HWY_INLINE void cell_samples(const Texels& texels, int edge, const Vec3v (&p)[kVectors], bool with_gradient,
-                             Sample (&samples)[kVectors]) {
-  Int index[kVectors];
-  Vec3v weight[kVectors];
-  for (int k = 0; k < kVectors; ++k) {
-    const TexelPlace place(p[k], edge);
-    index[k] = place.index;
-    weight[k] = place.weight;
-  }
-  typename Texels::Raw raw[kVectors];
-  for (int k = 0; k < kVectors; ++k) raw[k] = texels.load(index[k], edge + 2, (edge + 2) * (edge + 2));
-  for (int k = 0; k < kVectors; ++k) {
-    const Corners at = Texels::corners(raw[k]);
-    const auto& c = at.corner;
-    const Vec3v& w = weight[k];
-    const Float r00 = hn::Sub(c[1], c[0]), r10 = hn::Sub(c[3], c[2]);
-    const Float r01 = hn::Sub(c[5], c[4]), r11 = hn::Sub(c[7], c[6]);
-    const Float c00 = hn::MulAdd(w.x, r00, c[0]), c10 = hn::MulAdd(w.x, r10, c[2]);
-    const Float c01 = hn::MulAdd(w.x, r01, c[4]), c11 = hn::MulAdd(w.x, r11, c[6]);
-    const Float y0 = hn::Sub(c10, c00), y1 = hn::Sub(c11, c01);
-    const Float c0 = hn::MulAdd(w.y, y0, c00), c1 = hn::MulAdd(w.y, y1, c01);
-    const Float z0 = hn::Sub(c1, c0);
-    samples[k].value = hn::MulAdd(w.z, z0, c0);
-    if (with_gradient) {
-      samples[k].gradient = {mix(mix(r00, r10, w.y), mix(r01, r11, w.y), w.z), mix(y0, y1, w.z), z0};
-    }
-  }
-}
-
-template <int kVectors>
-HWY_INLINE bool none_of(const Mask (&mask)[kVectors]) {
-  Mask any = mask[0];
-  for (int k = 1; k < kVectors; ++k) any = hn::Or(any, mask[k]);
-  return none(any);
-}
-
 /// The rays of so many vectors, and what they go through. kPlain: one brick; else two that are blended.
 template <typename Texels, bool kPlain, int kVectors>
 class Post {
@@ -112,7 +67,7 @@ class Post {
         }
         if (none_of(active)) continue;
       }
-      Sample sample[kVectors];
+      CellSample sample[kVectors];
       Float blend[kVectors];
       cell_samples(fine_, edge_, p, lit, sample);
       if constexpr (!kPlain) blend_in_coarse(i, lit, blend, sample);
@@ -156,7 +111,7 @@ class Post {
 
  private:
   HWY_INLINE void blend_in_coarse(Float i, bool lit, Float (&blend)[kVectors],
-                                  Sample (&sample)[kVectors]) const {
+                                  CellSample (&sample)[kVectors]) const {
     Vec3v p[kVectors];
     for (int k = 0; k < kVectors; ++k) {
       const PathRows path = lanes_[k].coarse(batch_);
@@ -164,7 +119,7 @@ class Post {
       blend[k] = hn::Min(hn::Max(blend[k], hn::Zero(kFloats)), all(1));
       p[k] = path.at(i);
     }
-    Sample coarse[kVectors];
+    CellSample coarse[kVectors];
     cell_samples(coarse_, edge_, p, lit, coarse);
     for (int k = 0; k < kVectors; ++k) {
       sample[k].value = mix(sample[k].value, coarse[k].value, blend[k]);
@@ -175,7 +130,7 @@ class Post {
     }
   }
 
-  HWY_INLINE Shade shade_at(Float i, const Sample& sample, Float blend, const BatchLanes& lanes,
+  HWY_INLINE Shade shade_at(Float i, const CellSample& sample, Float blend, const BatchLanes& lanes,
                             const Vec3v& to_eye, const Halfways& halfways) const {
     Float scale = all(batch_.fine.gradient_scale);
     if constexpr (!kPlain) scale = mix(scale, all(batch_.coarse.gradient_scale), blend);

@@ -54,6 +54,12 @@ struct StretchBatch {
   float (*gathered)[4] = nullptr;
   std::int32_t* samples = nullptr;
 
+  /// Rays that are looked at in turns (composite_batch): their rows, and of each row the next step, and the
+  /// value and deviation at its front end and its back end, in entries of the function.
+  std::uint32_t waiting_count = 0;
+  std::int32_t waiting_row[kMost];
+  alignas(64) float waiting[kMost + 1][8];
+
   /// Out: the numbers of those rays that see nothing more.
   std::uint32_t opaque_count = 0;
   std::int32_t opaque[kMost];

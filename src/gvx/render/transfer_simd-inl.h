@@ -26,11 +26,6 @@ namespace {
 struct Matter {
   Float part[4];  // r, g, b, extinction
 };
-HWY_INLINE Matter select(Mask mask, const Matter& a, const Matter& b) {
-  Matter m;
-  for (int i = 0; i < 4; ++i) m.part[i] = hn::IfThenElse(mask, a.part[i], b.part[i]);
-  return m;
-}
 
 /// scene::TransferView::Reading.
 struct Reading {
@@ -48,7 +43,7 @@ class Function {
   }
   HWY_INLINE Float to_entries(Float deviation) const { return hn::Mul(deviation, all(view_.to_entry_scale)); }
 
-  HWY_INLINE Reading read(Float entry) const {
+  HWY_INLINE void read(Float entry, Reading& reading) const {
     const Float held = held_in_table(entry);
     const Float low = hn::Min(hn::Floor(held), all(static_cast<float>(view_.entries - 2)));
     const Float weight = hn::Sub(held, low);
@@ -58,13 +53,11 @@ class Function {
     Int sum[4], density[4];
     load_rows(sums(), offsets, sum);
     load_rows(densities(), offsets, density);
-    Reading reading;
     reading.entry = entry;
     for (int i = 0; i < 4; ++i) {
       const Float more = hn::Mul(units, hn::BitCast(kFloats, density[i]));
-      reading.sum[i] = hn::Add(sum[i], hn::ConvertTo(kInts, more));
+      reading.sum[i] = hn::Add(sum[i], truncated(more));
     }
-    return reading;
   }
 
   /// Lanes whose readings are no more than kNarrow apart mean nothing.
