@@ -19,7 +19,7 @@ constexpr std::chrono::microseconds kLeastWork(200);
 constexpr int kMostOfBudget = 4;
 constexpr int kFramesToForget = 16;
 // And by one in so many parts in any case: those that end late are few then.
-constexpr int kSpareOfBudget = 32;
+constexpr int kSpareOfBudget = 20;
 // The finest of a preview's stages that are drawn again while data comes in, and in how many frames of a
 // view.
 constexpr std::uint32_t kCoarseBlock = 8;

@@ -6,7 +6,7 @@
 /// same variance. Its mean matter comes from the transfer function's integrals (pre-integration; variances as
 /// in Younesy, Moeller, Carr, "Improving the quality of multi-resolution volume rendering", 2006). Where
 /// values change fast a step is sampled more often, and what lies between two samples is cut in the
-/// function's space, so that its front hides its back. All that is seen of a step is lit once.
+/// function's space, so that its front hides its back.
 #pragma once
 
 #include <cmath>
@@ -35,7 +35,7 @@ struct EntryPath {
 
 // A step is sampled at more places the more it adds to what is seen and the more entries of the function it
 // goes through: one more where it hides all and goes through this many.
-inline constexpr float kWidePath = 32.0f;
+inline constexpr float kWidePath = 4.0f;
 inline constexpr int kMostCuts = 8;
 // Between two samples, a span that goes through more entries than this is cut into parts: one more for each
 // time that it adds this much.
@@ -69,8 +69,7 @@ struct Span {
   }
 };
 
-/// What is seen of a step, and of which channel, before it is lit: light falls where it is seen, and only
-/// once.
+/// What is seen of a span, and of which channel, before it is lit.
 template <std::uint32_t kChannels>
 struct Seen {
   Vec3f color[kChannels];
@@ -172,17 +171,25 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
     for (std::uint32_t c = 0; c < channels; ++c) samples[c] = sample_at(s, c, i, blend);
     ++state.samples;
   };
-  const auto see = [&](const Span<kChannels>& span, float span_units, Seen<kChannels>& seen) {
+  const auto see = [&](const Span<kChannels>& span, float span_units) {
     if (!(span.extinction > 0.0f)) return;
+    Seen<kChannels> seen;
     float factor[kChannels];
     for (std::uint32_t c = 0; c < channels; ++c) factor[c] = 1;
-    if (!by_gradient) return see_span(visibility, span, channels, factor, span_units, seen, state);
-    const float i = s.held_in_voxel(span.centre, 0.5f * (span.begin + span.end));
+    if (by_gradient) {
+      const float middle = 0.5f * (span.begin + span.end);
+      const Slopes<kChannels, Voxel, M> slopes(frame, s, channels, s.held_in_voxel(span.centre, middle));
+      for (std::uint32_t c = 0; c < channels; ++c) factor[c] = slopes.factor(frame, s, c);
+      see_span(visibility, span, channels, factor, span_units, seen, state);
+      return add_lit(ray, s, channels, lit ? &slopes : nullptr, seen, state);
+    }
+    see_span(visibility, span, channels, factor, span_units, seen, state);
+    if (!(seen.total > 0.0f)) return;
+    if (!lit) return add_lit<kChannels, Voxel, M>(ray, s, channels, nullptr, seen, state);
+    // Lit where it is seen: a surface may begin near the back end.
+    const float i = s.held_in_voxel(span.centre, seen.middle());
     const Slopes<kChannels, Voxel, M> slopes(frame, s, channels, i);
-    for (std::uint32_t c = 0; c < channels; ++c) factor[c] = slopes.factor(frame, s, c);
-    Seen<kChannels> of_span;
-    see_span(visibility, span, channels, factor, span_units, of_span, state);
-    add_lit(ray, s, channels, lit ? &slopes : nullptr, of_span, state);
+    add_lit(ray, s, channels, &slopes, seen, state);
   };
   ScalarSample front[kChannels], back[kChannels];
   sample_all(-0.5f, front);
@@ -194,25 +201,17 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
     // Where the values change fast they do not change evenly.
     const float adds = (1 - state.opacity) * std::fmin(whole.extinction * units, 1.0f);
     const int cuts = static_cast<int>(std::fmin(1 + adds * whole.longest / kWidePath, float(kMostCuts)));
-    Seen<kChannels> seen;
     if (whole.extinction > 0.0f && cuts == 1) {
-      see(whole, units, seen);
+      see(whole, units);
     } else if (whole.extinction > 0.0f) {
       const float share = 1 / static_cast<float>(cuts);
       for (int cut = 1; cut <= cuts && state.phase == RayPhase::under_way; ++cut) {
         ScalarSample next[kChannels];
         const float to = begin + static_cast<float>(cut) * share;
         sample_all(to, next);
-        see(Span<kChannels>(visibility, channels, centre, to - share, to, front, next), units * share, seen);
+        see(Span<kChannels>(visibility, channels, centre, to - share, to, front, next), units * share);
         for (std::uint32_t c = 0; c < channels; ++c) front[c] = next[c];
       }
-    }
-    if (seen.total > 0.0f && lit) {
-      // A surface may begin near the back end.
-      const Slopes<kChannels, Voxel, M> slopes(frame, s, channels, s.held_in_voxel(centre, seen.middle()));
-      add_lit(ray, s, channels, &slopes, seen, state);
-    } else if (seen.total > 0.0f) {
-      add_lit<kChannels, Voxel, M>(ray, s, channels, nullptr, seen, state);
     }
     for (std::uint32_t c = 0; c < channels; ++c) front[c] = back[c];
   }

@@ -176,7 +176,7 @@ class Rays {
       if (batch_.blended) {
         const Vec3v q = coarse_.at(i);
         const Float blend = blend_at(i);
-        value = mix(value, sample(PlainTexels<Voxel>(batch_.coarse.brick), edge_, q), blend);
+        value = mix(value, sample(coarse_texels(), edge_, q), blend);
         deviates = mix(deviates, deviation(deviations(batch_.coarse), edge_, q), blend);
       }
       deviates = function_.to_entries(deviates);
@@ -214,16 +214,6 @@ class Rays {
   HWY_INLINE bool is_lit() const { return frame_.lighting.lighting.enabled; }
   HWY_INLINE bool by_gradient() const { return frame_.visibility.functions[0].gradient_factor != nullptr; }
 
-  /// add_lit: what is seen of the steps with these centres, lit where it is seen. Where the gradient matters
-  /// that was done before.
-  HWY_NOINLINE void add_lit(Float centre, const Seen& seen) {
-    if (!is_lit()) return add(seen);
-    const Mask some = hn::Gt(seen.weight, hn::Zero(kFloats));
-    if (none(some)) return;
-    const Float middle = hn::Div(seen.moment, hn::IfThenElse(some, seen.weight, all(1)));
-    const Float i = held_in_voxel(fine_, centre, hn::IfThenElse(some, middle, centre));
-    add_lit(i, slope_at(i), seen);
-  }
   HWY_INLINE void add_lit(Float i, const Slope& slope, const Seen& seen) {
     if (!is_lit()) return add(seen);
     const Shade light = shade_at(i, slope);
@@ -242,18 +232,30 @@ class Rays {
               hn::Add(color_.z, seen.color.z)};
   }
 
-  /// Slopes at a place on the way of the step with this centre to place i.
+  /// Place i of the steps with these centres, or the last on the way there that is in the centre's voxel.
   HWY_INLINE Float held(Float centre, Float i) const { return held_in_voxel(fine_, centre, i); }
   HWY_NOINLINE Slope slope_at(Float i) const {
     Slope slope{gradient(texels_, edge_, fine_.at(i)), hn::Zero(kFloats)};
     if constexpr (!kPlain) {
-      if (batch_.blended) {
-        slope.blend = blend_at(i);
-        const Vec3v coarse = gradient(PlainTexels<Voxel>(batch_.coarse.brick), edge_, coarse_.at(i));
-        Vec3v& g = slope.gradient;
-        g = {mix(g.x, coarse.x, slope.blend), mix(g.y, coarse.y, slope.blend),
-             mix(g.z, coarse.z, slope.blend)};
-      }
+      if (batch_.blended) blend_in(gradient(coarse_texels(), edge_, coarse_.at(i)), i, slope);
+    }
+    return slope;
+  }
+
+  /// What the slopes of all places in the voxel of a step's centre come from.
+  struct Voxels {
+    Around fine, coarse;
+  };
+  HWY_NOINLINE void read_voxels(Float centre, Voxels& voxels) const {
+    voxels.fine.read(texels_, edge_, fine_.at(centre));
+    if constexpr (!kPlain) {
+      if (batch_.blended) voxels.coarse.read(coarse_texels(), edge_, coarse_.at(centre));
+    }
+  }
+  HWY_NOINLINE Slope slope_at(Float i, const Voxels& voxels) const {
+    Slope slope{voxels.fine.gradient(fine_.at(i)), hn::Zero(kFloats)};
+    if constexpr (!kPlain) {
+      if (batch_.blended) blend_in(voxels.coarse.gradient(coarse_.at(i)), i, slope);
     }
     return slope;
   }
@@ -277,6 +279,12 @@ class Rays {
   }
   HWY_INLINE Float blend_at(Float i) const {
     return hn::Min(hn::Max(hn::MulAdd(i, coarse_.eighth, coarse_.fourth), hn::Zero(kFloats)), all(1));
+  }
+  HWY_INLINE PlainTexels<Voxel> coarse_texels() const { return PlainTexels<Voxel>(batch_.coarse.brick); }
+  HWY_INLINE void blend_in(const Vec3v& coarse, Float i, Slope& slope) const {
+    slope.blend = blend_at(i);
+    Vec3v& g = slope.gradient;
+    g = {mix(g.x, coarse.x, slope.blend), mix(g.y, coarse.y, slope.blend), mix(g.z, coarse.z, slope.blend)};
   }
 
   HWY_NOINLINE Shade shade_at(Float i, const Slope& slope) const {
@@ -469,7 +477,7 @@ class Cutting {
   static constexpr bool kPlain = RaysOf::kPlain;
 
   HWY_INLINE Cutting(StretchBatch& batch, const Function& function, RaysOf& rays)
-      : batch_(batch), rays_(rays), means_(function), seen_(Seen::nothing()) {}
+      : batch_(batch), rays_(rays), means_(function) {}
 
   /// Rays that have a next step are appended to the batch's order.
   HWY_NOINLINE void run(std::uint32_t& going_on) {
@@ -494,7 +502,6 @@ class Cutting {
       see_span(from, to, hn::Sub(end, share), share, units, mask);
       from = to;
     }
-    rays_.add_lit(centre_, seen_);
     rays_.store();
     const Float next = hn::Add(centre_, all(1));
     const Float numbers[5] = {next, back.entry, back.deviation, back.entry, back.deviation};
@@ -504,7 +511,7 @@ class Cutting {
 
  private:
   HWY_NOINLINE void see_span(const Place& from, const Place& to, Float begin, Float length, Float units,
-                          Mask mask) {
+                             Mask mask) {
     const Float variance3 = Means<kPlain>::variance3(from, to);
     Means<kPlain> ahead = means_;
     const Matter whole = ahead.mean(from.entry, to.entry, variance3, mask);
@@ -515,13 +522,12 @@ class Cutting {
     }
     const Float way = hn::Sub(to.entry, from.entry);
     const Float parts = rays_.parts(whole.part[3], units, hn::Abs(way));
-    Seen of_span = Seen::nothing();
-    Seen& seen = rays_.by_gradient() ? of_span : seen_;
+    Seen seen = Seen::nothing();
     Float lit_at = centre_;
     Slope slope;
     if (rays_.by_gradient()) {
       lit_at = rays_.held(centre_, hn::MulAdd(all(0.5f), length, begin));
-      slope = rays_.slope_at(lit_at);
+      slope = slope_at(lit_at);
       units = hn::Mul(units, rays_.factor_of(slope));
     }
     if (none(hn::And(mask, hn::Gt(parts, all(1))))) {
@@ -542,14 +548,29 @@ class Cutting {
         at = next;
       }
     }
-    if (rays_.by_gradient()) rays_.add_lit(lit_at, slope, seen);
+    if (!rays_.is_lit()) return rays_.add(seen);
+    if (!rays_.by_gradient()) {
+      const Mask some = hn::Gt(seen.weight, hn::Zero(kFloats));
+      if (none(some)) return;
+      // Lit where it is seen: a surface may begin near the back end.
+      const Float middle = hn::Div(seen.moment, hn::IfThenElse(some, seen.weight, all(1)));
+      lit_at = rays_.held(centre_, hn::IfThenElse(some, middle, centre_));
+      slope = slope_at(lit_at);
+    }
+    rays_.add_lit(lit_at, slope, seen);
+  }
+  HWY_INLINE Slope slope_at(Float i) {
+    if (!has_voxels_) rays_.read_voxels(centre_, voxels_);
+    has_voxels_ = true;
+    return rays_.slope_at(i, voxels_);
   }
 
   StretchBatch& batch_;
   RaysOf& rays_;
   Means<kPlain> means_;
   Float centre_;
-  Seen seen_;
+  bool has_voxels_ = false;
+  typename RaysOf::Voxels voxels_;  // those of the centres
 };
 
 template <typename Voxel, bool kPlain, typename Texels>

@@ -349,18 +349,14 @@ HWY_INLINE bool none_of(const Mask (&mask)[kVectors]) {
   return none(any);
 }
 
-/// Along one axis: the first of the three texels around a place from 0 to `edge`, and what each of them
-/// weighs in the value and in the difference of half a voxel to either side.
+/// Along one axis of a voxel, at a place from 0 to 1 in it: what its texel and its neighbours weigh in the
+/// value and in the difference of half a voxel to either side.
 struct ThreeTexels {
-  Float first;
   Float of_value[3], of_difference[3];
 
-  HWY_INLINE ThreeTexels(Float position, int edge) {
-    const Float zero = hn::Zero(kFloats), one = all(1), half = all(0.5f);
-    const Float held = hn::Min(hn::Max(position, zero), all(static_cast<float>(edge)));
-    first = hn::Min(hn::Floor(held), all(static_cast<float>(edge - 1)));
-    const Float in_voxel = hn::Sub(held, first);
-    const Float from_centre = hn::Sub(in_voxel, half);
+  HWY_INLINE explicit ThreeTexels(Float in_voxel) {
+    const Float zero = hn::Zero(kFloats), one = all(1);
+    const Float from_centre = hn::Sub(in_voxel, all(0.5f));
     of_value[0] = hn::Max(hn::Neg(from_centre), zero);
     of_value[1] = hn::Sub(one, hn::Abs(from_centre));
     of_value[2] = hn::Max(from_centre, zero);
@@ -391,60 +387,83 @@ HWY_INLINE Float weighted(const Float (&weight)[3], Float a, Float b, Float c) {
   return hn::MulAdd(weight[0], a, hn::MulAdd(weight[1], b, hn::Mul(weight[2], c)));
 }
 
-/// The 3 x 3 x 3 texels around a place, in rows along x: those of y j and z k are read at j + 3 k.
-template <typename Voxel>
-HWY_INLINE void read_around(const PlainTexels<Voxel>& texels, int edge, Int index, Triple (&rows)[9]) {
-  const int row = edge + 2, slice = row * row;
-  for (int i = 0; i < 9; ++i) {
-    rows[i] = gather_triple(texels.texels + i % 3 * row + i / 3 * slice, index);
+/// The 3 x 3 x 3 texels around a voxel, in rows along x: those of y j and z k at j + 3 k. All that the
+/// gradients of a voxel need.
+struct Around {
+  Vec3v first;  ///< the low corner of the voxel
+  Triple rows[9];
+
+  template <typename Texels>
+  HWY_INLINE void read(const Texels& texels, int edge, const Vec3v& p) {
+    first = {first_of(p.x, edge), first_of(p.y, edge), first_of(p.z, edge)};
+    read_rows(texels, edge, TexelPlace::index_of(first.x, first.y, first.z, edge));
   }
-}
-HWY_INLINE void read_around(const QuadTexels& texels, int edge, Int index, Triple (&rows)[9]) {
-  const int row = edge + 2, slice = row * row;
-  alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
-  store_offsets(hn::ShiftLeft<2>(index), offsets);
-  const auto four_quads = [&](int from, Int(&quads)[4]) HWY_ATTR {
-    load_rows(reinterpret_cast<const std::byte*>(texels.quads + from), offsets, quads);
-  };
-  Int low[4], next_y[4], next_z[4], next[4];
-  four_quads(0, low);
-  four_quads(row, next_y);
-  four_quads(slice, next_z);
-  four_quads(slice + row, next);
-  for (int x = 0; x < 3; ++x) {
-    rows[0].texel[x] = QuadTexels::byte<0>(low[x]);
-    rows[1].texel[x] = QuadTexels::byte<8>(low[x]);
-    rows[2].texel[x] = QuadTexels::byte<8>(next_y[x]);
-    rows[3].texel[x] = QuadTexels::byte<16>(low[x]);
-    rows[4].texel[x] = QuadTexels::byte<24>(low[x]);
-    rows[5].texel[x] = QuadTexels::byte<24>(next_y[x]);
-    rows[6].texel[x] = QuadTexels::byte<16>(next_z[x]);
-    rows[7].texel[x] = QuadTexels::byte<24>(next_z[x]);
-    rows[8].texel[x] = QuadTexels::byte<24>(next[x]);
+
+  /// brick::gradient at a place in this voxel.
+  HWY_INLINE Vec3v gradient(const Vec3v& p) const {
+    const ThreeTexels x(hn::Sub(p.x, first.x)), y(hn::Sub(p.y, first.y)), z(hn::Sub(p.z, first.z));
+    Float along_x[3], along_y[3], value[3];
+    for (int k = 0; k < 3; ++k) {
+      Float row_value[3], row_difference[3];
+      for (int j = 0; j < 3; ++j) {
+        const auto& t = rows[j + 3 * k].texel;
+        row_value[j] = weighted(x.of_value, t[0], t[1], t[2]);
+        row_difference[j] = weighted(x.of_difference, t[0], t[1], t[2]);
+      }
+      value[k] = weighted(y.of_value, row_value[0], row_value[1], row_value[2]);
+      along_x[k] = weighted(y.of_value, row_difference[0], row_difference[1], row_difference[2]);
+      along_y[k] = weighted(y.of_difference, row_value[0], row_value[1], row_value[2]);
+    }
+    return {weighted(z.of_value, along_x[0], along_x[1], along_x[2]),
+            weighted(z.of_value, along_y[0], along_y[1], along_y[2]),
+            weighted(z.of_difference, value[0], value[1], value[2])};
   }
-}
+
+ private:
+  HWY_INLINE static Float first_of(Float position, int edge) {
+    const Float last = all(static_cast<float>(edge - 1));
+    return hn::Min(hn::Floor(hn::Max(position, hn::Zero(kFloats))), last);
+  }
+  template <typename Voxel>
+  HWY_INLINE void read_rows(const PlainTexels<Voxel>& texels, int edge, Int index) {
+    const int row = edge + 2, slice = row * row;
+    for (int i = 0; i < 9; ++i) {
+      rows[i] = gather_triple(texels.texels + i % 3 * row + i / 3 * slice, index);
+    }
+  }
+  HWY_INLINE void read_rows(const QuadTexels& texels, int edge, Int index) {
+    const int row = edge + 2, slice = row * row;
+    alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
+    store_offsets(hn::ShiftLeft<2>(index), offsets);
+    const auto* quads = reinterpret_cast<const std::byte*>(texels.quads);
+    constexpr auto kQuad = static_cast<int>(sizeof(std::uint32_t));
+    Int low[4], next_y[4], next_z[4], next[4];
+    load_rows(quads, offsets, low);
+    load_rows(quads + kQuad * row, offsets, next_y);
+    load_rows(quads + kQuad * slice, offsets, next_z);
+    load_rows(quads + kQuad * (slice + row), offsets, next);
+    for (int x = 0; x < 3; ++x) {
+      rows[0].texel[x] = QuadTexels::byte<0>(low[x]);
+      rows[1].texel[x] = QuadTexels::byte<8>(low[x]);
+      rows[2].texel[x] = QuadTexels::byte<8>(next_y[x]);
+      rows[3].texel[x] = QuadTexels::byte<16>(low[x]);
+      rows[4].texel[x] = QuadTexels::byte<24>(low[x]);
+      rows[5].texel[x] = QuadTexels::byte<24>(next_y[x]);
+      rows[6].texel[x] = QuadTexels::byte<16>(next_z[x]);
+      rows[7].texel[x] = QuadTexels::byte<24>(next_z[x]);
+      rows[8].texel[x] = QuadTexels::byte<24>(next[x]);
+    }
+  }
+};
 
 /// brick::gradient.
 template <typename Texels>
 HWY_INLINE Vec3v gradient(const Texels& texels, int edge, const Vec3v& p) {
-  const ThreeTexels x(p.x, edge), y(p.y, edge), z(p.z, edge);
-  Triple rows[9];
-  read_around(texels, edge, TexelPlace::index_of(x.first, y.first, z.first, edge), rows);
-  Float along_x[3], along_y[3], value[3];
-  for (int k = 0; k < 3; ++k) {
-    Float row_value[3], row_difference[3];
-    for (int j = 0; j < 3; ++j) {
-      const auto& t = rows[j + 3 * k].texel;
-      row_value[j] = weighted(x.of_value, t[0], t[1], t[2]);
-      row_difference[j] = weighted(x.of_difference, t[0], t[1], t[2]);
-    }
-    value[k] = weighted(y.of_value, row_value[0], row_value[1], row_value[2]);
-    along_x[k] = weighted(y.of_value, row_difference[0], row_difference[1], row_difference[2]);
-    along_y[k] = weighted(y.of_difference, row_value[0], row_value[1], row_value[2]);
-  }
-  return {weighted(z.of_value, along_x[0], along_x[1], along_x[2]),
-          weighted(z.of_value, along_y[0], along_y[1], along_y[2]),
-          weighted(z.of_difference, value[0], value[1], value[2])};
+  Around around;
+  around.read(texels, edge, p);
+  const Float zero = hn::Zero(kFloats), last = all(static_cast<float>(edge));
+  const auto held = [&](Float x) HWY_ATTR { return hn::Min(hn::Max(x, zero), last); };
+  return around.gradient({held(p.x), held(p.y), held(p.z)});
 }
 
 /// deviation_of_code of the byte at each index.
