@@ -1,6 +1,7 @@
 #include "gvx/engine/engine.h"
 
 #include <algorithm>
+#include <cmath>
 #include <new>
 #include <numeric>
 #include <string>
@@ -29,6 +30,12 @@ constexpr int kMostRestarts = 60;
 constexpr std::uint32_t kRestBlock = 4;
 // What a frame at rest spends on showing new data coarsely before exact rays reach it.
 constexpr double kRefreshShare = 0.4;
+
+// Frames of a moving camera that do not come to blocks this fine show coarser levels, by so much more each
+// time; those that come to single pixels show finer ones again.
+constexpr double kMostLevelBias = 2;
+constexpr double kMoreLevelBias = 0.5;
+constexpr double kLessLevelBias = 0.25;
 
 // Passes in which no ray of the first screen tile came further, beside those that it takes to descend to a
 // brick, one a level: before one ray runs alone, and before it is taken for hopeless.
@@ -76,6 +83,7 @@ Result<std::unique_ptr<Engine>> Engine::create(const exec::Device& device,
   std::unique_ptr<Engine> engine(new Engine(device, std::move(producer), sizes));
   engine->one_ray_at_a_time_ = options.one_ray_at_a_time;
   engine->prefetch_ = options.prefetch;
+  engine->adapts_levels_ = options.adapt_levels;
   GVX_TRY(engine->residency_.plant_root());
   return engine;
 }
@@ -115,6 +123,7 @@ Status Engine::look(const render::View& view) {
     if (!(*view_ == view)) camera_before_.reset();  // another picture altogether
   }
   view_ = view;
+  GVX_TRY(look_coarsely());
   residency_.set_visibility(frame_->view().visibility, sees_otherwise);
   film_->clear();
   unfinished_tiles_.resize(film_->grid().tiles());
@@ -131,12 +140,33 @@ Status Engine::look(const render::View& view) {
   return {};
 }
 
-render::Pass Engine::pass() {
+/// A moving camera's previews are of coarser levels where the ones before did not come to an end.
+Status Engine::look_coarsely() {
+  moving_frame_.reset();
+  judged_ = !camera_before_ || !adapts_levels_;
+  if (judged_ || !(level_bias_ > 0)) return {};
+  render::View coarse = *view_;
+  coarse.detail = std::max(coarse.detail * std::exp2(-level_bias_), render::View::kLeastDetail);
+  GVX_ASSIGN(auto frame,
+             render::Frame::make(device_, coarse, placement_of(producer_->description()), &*frame_));
+  moving_frame_ = std::move(frame);
+  return {};
+}
+
+/// After the first frame of a view.
+void Engine::adapt_levels() {
+  if (judged_) return;
+  judged_ = true;
+  if (preview_.block >= kRestBlock) level_bias_ = std::min(level_bias_ + kMoreLevelBias, kMostLevelBias);
+  if (preview_.complete()) level_bias_ = std::max(level_bias_ - kLessLevelBias, 0.0);
+}
+
+render::Pass Engine::pass(const render::Frame& frame) {
   const produce::TreeDescription& tree = producer_->description();
   render::Pass pass;
   pass.n = tree.n;
   pass.m = tree.m;
-  pass.frame = frame_->view();
+  pass.frame = frame.view();
   pass.nodes = residency_.nodes().view();
   pass.bricks = residency_.bricks().bytes();
   pass.tile_usage = residency_.tile_usage();
@@ -165,7 +195,7 @@ void Engine::exact_pass(exec::Deadline deadline) {
     const auto last = first + static_cast<std::ptrdiff_t>(count);
     std::copy(first, last, tile_list_.view().begin());
     for (auto tile = first; tile != last; ++tile) tile_flags_.view()[*tile] = 0;
-    if (!render::march_exact(device_, pass(), film_->grid(), {tile_list_.view().data, count}, deadline,
+    if (!render::march_exact(device_, pass(*frame_), film_->grid(), {tile_list_.view().data, count}, deadline,
                              film_->rays(), tile_flags_.view())) {
       return;  // some flags were not set; finished rays cost little the next time
     }
@@ -271,7 +301,8 @@ bool Engine::preview_chunk(exec::Deadline deadline) {
   const std::uint32_t count = std::min(kPreviewChunk, grid.tiles() - preview_.tile);
   std::iota(tile_list_.view().begin(), tile_list_.view().begin() + count, preview_.tile);
   ++statistics_.passes;
-  if (!render::march_preview(device_, pass(), grid, {tile_list_.view().data, count}, deadline, block,
+  const render::Frame& frame = moving_frame_ ? *moving_frame_ : *frame_;
+  if (!render::march_preview(device_, pass(frame), grid, {tile_list_.view().data, count}, deadline, block,
                              preview_.generation, film_->rays(), film_->preview())) {
     return false;  // what was drawn of them is not drawn again
   }
@@ -333,7 +364,10 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   do {
     preview_pass(preview_at_rest_ ? refresh_deadline : deadline);  // render
     if (preview_.block < kRestBlock) preview_at_rest_ = true;
-    if (preview_at_rest_) exact_pass(deadline);
+    if (preview_at_rest_) {
+      moving_frame_.reset();
+      exact_pass(deadline);
+    }
     if (prefetching_) GVX_TRY(take_finished());
     ask(collect());  // collect
     if (queue_.idle()) prefetch(deadline);
@@ -346,6 +380,7 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   // Work that was begun is finished: the next frames stop as much earlier as the last ones were late.
   const std::chrono::nanoseconds late = Clock::now() - deadline;
   overshoot_ = std::max(late, overshoot_ - overshoot_ / kFramesToForget);
+  adapt_levels();
   end_frame();
   return {};
 }
@@ -354,7 +389,6 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
 /// time, until it lacks nothing.
 void Engine::prefetch(exec::Deadline deadline) {
   constexpr double kFramesAhead = 4;
-  constexpr double kMostDetail = 16;  // of Frame::make
   const bool all_tiles_run = window_ >= unfinished_tiles_.size();
   if (!prefetch_ || !camera_before_ || crowded_ || !all_tiles_run || exec::late(deadline)) return;
   const scene::Camera before = *camera_before_;
@@ -363,7 +397,7 @@ void Engine::prefetch(exec::Deadline deadline) {
   view.camera.target = view.camera.target + kFramesAhead * (view.camera.target - before.target);
   view.camera.up = view.camera.up + kFramesAhead * (view.camera.up - before.up);
   // Fewer rays, but as fine in what they want.
-  const auto sparse = static_cast<std::uint32_t>(std::max(1.0, kMostDetail / view.detail));
+  const auto sparse = static_cast<std::uint32_t>(std::max(1.0, render::View::kMostDetail / view.detail));
   view.width = (view.width * view.antialias + sparse - 1) / sparse;
   view.height = (view.height * view.antialias + sparse - 1) / sparse;
   view.antialias = 1;
@@ -387,7 +421,7 @@ void Engine::prefetch(exec::Deadline deadline) {
   }
   ahead_->clear();
   std::iota(tile_list_.view().begin(), tile_list_.view().begin() + grid.tiles(), 0u);
-  render::Pass ahead = pass();
+  render::Pass ahead = pass(*frame_);
   ahead.frame = frame.value().view();
   ahead.epoch = ahead_->epoch();
   const bool drawn = render::march_preview(device_, ahead, grid, {tile_list_.view().data, grid.tiles()},

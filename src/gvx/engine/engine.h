@@ -30,6 +30,8 @@ struct EngineOptions {
   bool one_ray_at_a_time = false;
   /// Frames of a budget make what a moving camera will need soon, when nothing that it sees is waited for.
   bool prefetch = true;
+  /// Frames of a budget show coarser levels of a moving camera's view while they do not come to an end.
+  bool adapt_levels = true;
 };
 
 /// Where frames find a tree.
@@ -75,7 +77,9 @@ class Engine {
 
   Engine(const exec::Device& device, std::shared_ptr<const produce::Producer> producer, PoolSizes sizes);
 
-  render::Pass pass();
+  Status look_coarsely();
+  void adapt_levels();
+  render::Pass pass(const render::Frame& frame);
   void exact_pass(exec::Deadline deadline);
   void begin_preview(std::uint32_t first_block);
   bool preview_chunk(exec::Deadline deadline);
@@ -92,11 +96,15 @@ class Engine {
   exec::Device device_;
   bool one_ray_at_a_time_ = false;
   bool prefetch_ = true;
+  bool adapts_levels_ = true;
   std::shared_ptr<const produce::Producer> producer_;
   Residency residency_;
   produce::ProductionQueue queue_;
   std::optional<render::View> view_;
   std::optional<render::Frame> frame_;
+  std::optional<render::Frame> moving_frame_;  // what previews show instead, coarser by level_bias_
+  double level_bias_ = 0;
+  bool judged_ = true;  // whether this view's first frame came to its end
   std::optional<render::Film> film_;
   std::vector<std::uint32_t> unfinished_tiles_;
   exec::Buffer<std::uint32_t> tile_list_, tile_flags_;

@@ -140,7 +140,7 @@ class Rays {
         coarse_(!kPlain && batch.blended ? lanes_.coarse(batch) : fine_),
         to_eye_(frame.lighting.lighting.enabled ? lanes_.to_eye(batch) : fine_.first) {
     lanes_.load(batch, color_, opacity_);
-    if (is_lit()) halfways_.find(frame.lighting, to_eye_);
+    if (is_lit()) far_lights_.find(frame, to_eye_);
   }
 
   HWY_INLINE const BatchLanes& lanes() const { return lanes_; }
@@ -264,8 +264,8 @@ class Rays {
     if constexpr (!kPlain) {
       if (batch_.blended) across = mix(across, all(batch_.coarse.voxels_across), slope.blend);
     }
-    const Vec3v world = to_world(frame_, slope.gradient);
-    return function_.factor_of_gradient(hn::Mul(hn::Sqrt(dot(world, world)), across));
+    const Float length = hn::Sqrt(world_length2(frame_, slope.gradient));
+    return function_.factor_of_gradient(hn::Mul(length, across));
   }
 
  private:
@@ -292,8 +292,8 @@ class Rays {
     if constexpr (!kPlain) {
       if (batch_.blended) scale = mix(scale, all(batch_.coarse.gradient_scale), slope.blend);
     }
-    return shade(frame_, scaled(all(1 / frame_.soft_gradient[0]), slope.gradient), scale, to_eye_, halfways_,
-                 [&]() HWY_ATTR { return lanes_.places(batch_).at(i); });
+    return shade(frame_, scaled(all(1 / frame_.soft_gradient[0]), slope.gradient), scale, to_eye_,
+                 far_lights_, [&]() HWY_ATTR { return lanes_.places(batch_).at(i); });
   }
 
   const FrameView& frame_;
@@ -304,7 +304,7 @@ class Rays {
   const int edge_;
   const PathRows fine_, coarse_;
   const Vec3v to_eye_;
-  Halfways halfways_;
+  FarLights far_lights_;
   Vec3v color_;
   Float opacity_;
   Int samples_ = hn::Zero(kInts);

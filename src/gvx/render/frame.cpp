@@ -31,7 +31,8 @@ Status check(const View& view, const TreePlacement& placement) {
   if (!(view.samples_per_voxel >= 1 && view.samples_per_voxel <= 1000)) {
     return Error{"samples per voxel: must be between 1 and 1000"};
   }
-  if (!(view.detail >= 0.25 && view.detail <= 16)) return Error{"detail: must be between 0.25 and 16"};
+  if (!(view.detail >= View::kLeastDetail && view.detail <= View::kMostDetail))
+    return Error{"detail: must be between 0.25 and 16"};
   for (int axis = 0; axis < 3; ++axis) {
     if (!(view.clip.minimum[axis] < view.clip.maximum[axis])) {
       return Error{"clip box: each minimum must be below its maximum"};
@@ -58,6 +59,24 @@ Status check(const View& view, const TreePlacement& placement) {
   return {};
 }
 
+void set_gradient_lengths(FrameView& v) {
+  const Affine3& m = v.world_to_tree;
+  const auto product = [&](int a, int b) {
+    double sum = 0;
+    for (const Vec3d& column : m.column) sum += column[a] * column[b];
+    return sum;
+  };
+  const Vec3d square(product(0, 0), product(1, 1), product(2, 2));
+  // The sine of an angle that rounding may leave between axes at right angles.
+  constexpr double kStraight = 1e-7;
+  const auto mixed = [&](int a, int b) {
+    const double sum = 2 * product(a, b);
+    return std::abs(sum) > kStraight * std::sqrt(square[a] * square[b]) ? sum : 0.0;
+  };
+  v.gradient_square = Vec3f(square);
+  v.gradient_product = Vec3f(Vec3d(mixed(1, 2), mixed(2, 0), mixed(0, 1)));
+}
+
 }  // namespace
 
 Result<Frame> Frame::make(const exec::Device& device, const View& view, const TreePlacement& placement,
@@ -82,6 +101,7 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   const Affine3& place = placement.tree_to_world;
   const Vec3d spacing =
       Vec3d(length(place.column[0]), length(place.column[1]), length(place.column[2])) / finest_voxels;
+  set_gradient_lengths(v);
   v.tick_world = min_component(spacing) / view.samples_per_voxel;
   v.voxels_per_step = static_cast<float>(1 / view.samples_per_voxel);
   v.max_level = placement.max_level;

@@ -60,6 +60,9 @@ struct FrameView {
   /// voxel is the same at every level, a slope's grows with the voxels: this is half way between, for the
   /// first levels: far up only edges are left.
   float gradient_scale[kMaxLevels] = {};
+  /// The square of a gradient's length in the world, from its parts in tree space: what x x, y y, z z count,
+  /// and y z, z x, x y, which is nothing where the axes are at right angles.
+  Vec3f gradient_square, gradient_product;
   float soft_gradient[kMaxChannels] =
       {};  ///< stored units a voxel at which a gradient counts half as a surface
 

@@ -117,10 +117,10 @@ class SurfaceFinder {
       g = {mix(g.x, coarse.x, blend), mix(g.y, coarse.y, blend), mix(g.z, coarse.z, blend)};
     }
     const Vec3v to_eye = lanes_.to_eye(batch_);
-    Halfways halfways;
-    halfways.find(frame_.lighting, to_eye);
+    FarLights far_lights;
+    far_lights.find(frame_, to_eye);
     // A surface for certain.
-    return shade(frame_, scaled(all(1 / frame_.soft_gradient[0]), g), all(1e15f), to_eye, halfways,
+    return shade(frame_, scaled(all(1 / frame_.soft_gradient[0]), g), all(1e15f), to_eye, far_lights,
                  [&]() HWY_ATTR { return lanes_.places(batch_).at(hit); });
   }
 

@@ -43,7 +43,7 @@ class Post {
     Float end[kVectors], opacity[kVectors], most = hn::Zero(kFloats);
     Int samples[kVectors];
     Vec3v color[kVectors], to_eye[kVectors];
-    Halfways halfways[kVectors];
+    FarLights far_lights[kVectors];
     for (int k = 0; k < kVectors; ++k) {
       path[k] = lanes_[k].fine(batch_);
       end[k] = lanes_[k].steps(path[k]);
@@ -51,7 +51,7 @@ class Post {
       samples[k] = hn::Zero(kInts);
       lanes_[k].load(batch_, color[k], opacity[k]);
       to_eye[k] = lit ? lanes_[k].to_eye(batch_) : path[k].first;
-      if (lit) halfways[k].find(frame_.lighting, to_eye[k]);
+      if (lit) far_lights[k].find(frame_, to_eye[k]);
     }
     const float last = hn::GetLane(hn::MaxOfLanes(kFloats, most));
     for (float step = 0; step < last; step += 1) {
@@ -91,7 +91,7 @@ class Post {
         const Float step_opacity = hn::BitCast(kFloats, bits[k][3]);
         const Float weight = hn::IfThenElseZero(seen[k], hn::Mul(hn::Sub(one, opacity[k]), step_opacity));
         if (lit) {
-          const Shade light = shade_at(i, sample[k], blend[k], lanes_[k], to_eye[k], halfways[k]);
+          const Shade light = shade_at(i, sample[k], blend[k], lanes_[k], to_eye[k], far_lights[k]);
           const auto gather_color = [&](Float sum, Float color_of, Float body, Float glint) HWY_ATTR {
             return hn::IfThenElse(seen[k], hn::MulAdd(weight, hn::MulAdd(color_of, body, glint), sum), sum);
           };
@@ -131,11 +131,11 @@ class Post {
   }
 
   HWY_INLINE Shade shade_at(Float i, const CellSample& sample, Float blend, const BatchLanes& lanes,
-                            const Vec3v& to_eye, const Halfways& halfways) const {
+                            const Vec3v& to_eye, const FarLights& far_lights) const {
     Float scale = all(batch_.fine.gradient_scale);
     if constexpr (!kPlain) scale = mix(scale, all(batch_.coarse.gradient_scale), blend);
     const Vec3v relative = scaled(all(1 / frame_.soft_gradient[0]), sample.gradient);
-    return shade(frame_, relative, scale, to_eye, halfways,
+    return shade(frame_, relative, scale, to_eye, far_lights,
                  [&]() HWY_ATTR { return lanes.places(batch_).at(i); });
   }
 

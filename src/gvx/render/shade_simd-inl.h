@@ -49,27 +49,49 @@ HWY_INLINE Float power_of(Float base, float exponent) {
   return hn::Exp(kFloats, hn::Mul(all(exponent), hn::Log(kFloats, hn::Max(base, all(kLeast)))));
 }
 
-/// A gradient of tree space in the world.
-HWY_INLINE Vec3v to_world(const FrameView& frame, const Vec3v& gradient) {
+/// A direction of the world in tree space, where its product with a gradient is that of the world's.
+HWY_INLINE Vec3v to_tree(const FrameView& frame, const Vec3v& direction) {
   const auto along_axis = [&](int axis) HWY_ATTR {
-    const Vec3f column(frame.world_to_tree.column[axis]);
-    return dot({all(column.x), all(column.y), all(column.z)}, gradient);
+    const Affine3& m = frame.world_to_tree;
+    return dot({all(static_cast<float>(m.column[0][axis])), all(static_cast<float>(m.column[1][axis])),
+                all(static_cast<float>(m.column[2][axis]))},
+               direction);
   };
   return {along_axis(0), along_axis(1), along_axis(2)};
 }
 
-/// What of shading is the same all along a ray: the directions half way between the eye and lights that are
-/// far.
-class Halfways {
+/// The square of a gradient's length in the world.
+HWY_INLINE Float world_length2(const FrameView& frame, const Vec3v& gradient) {
+  const auto& square = frame.gradient_square;
+  const auto& product = frame.gradient_product;
+  const auto term = [](float factor, Float a, Float b)
+                        HWY_ATTR { return hn::Mul(hn::Mul(all(factor), a), b); };
+  Float sum = term(square.x, gradient.x, gradient.x);
+  sum = hn::MulAdd(hn::Mul(all(square.y), gradient.y), gradient.y, sum);
+  sum = hn::MulAdd(hn::Mul(all(square.z), gradient.z), gradient.z, sum);
+  if (product.x != 0 || product.y != 0 || product.z != 0) {
+    sum = hn::Add(sum, term(product.x, gradient.y, gradient.z));
+    sum = hn::Add(sum, term(product.y, gradient.z, gradient.x));
+    sum = hn::Add(sum, term(product.z, gradient.x, gradient.y));
+  }
+  return sum;
+}
+
+/// What of shading is the same all along a ray: in tree space, the directions to lights that are far, and
+/// those half way between them and the eye.
+class FarLights {
  public:
-  HWY_INLINE void find(const scene::LightingView& lighting, const Vec3v& to_eye) {
-    for (int l = 0; l < lighting.lighting.lights; ++l) {
-      if (lighting.lighting.light[l].kind == scene::LightKind::point) continue;
-      const Vec3f place(lighting.place[l]);
-      direction_[l] = between(to_eye, {all(place.x), all(place.y), all(place.z)});
+  HWY_INLINE void find(const FrameView& frame, const Vec3v& to_eye) {
+    for (int l = 0; l < frame.lighting.lighting.lights; ++l) {
+      if (frame.lighting.lighting.light[l].kind == scene::LightKind::point) continue;
+      const Vec3f place(frame.lighting.place[l]);
+      const Vec3v to_light{all(place.x), all(place.y), all(place.z)};
+      to_light_[l] = to_tree(frame, to_light);
+      half_[l] = to_tree(frame, between(to_eye, to_light));
     }
   }
-  HWY_INLINE const Vec3v& operator[](int light) const { return direction_[light]; }
+  HWY_INLINE const Vec3v& to_light(int light) const { return to_light_[light]; }
+  HWY_INLINE const Vec3v& half(int light) const { return half_[light]; }
 
   HWY_INLINE static Vec3v between(const Vec3v& to_eye, const Vec3v& to_light) {
     return unit_or_zero(
@@ -77,40 +99,41 @@ class Halfways {
   }
 
  private:
-  Vec3v direction_[scene::Lighting::kMostLights];
+  Vec3v to_light_[scene::Lighting::kMostLights], half_[scene::Lighting::kMostLights];
 };
 
 /// RayView::shade with a gradient in tree space, in units of what is half a surface; `scale` is
 /// FrameView::gradient_scale. `point_at()` gives the place in the world, where a light is near.
 template <typename PointAt>
 HWY_INLINE Shade shade(const FrameView& frame, const Vec3v& gradient, Float scale, const Vec3v& to_eye,
-                       const Halfways& halfways, const PointAt& point_at) {
+                       const FarLights& far_lights, const PointAt& point_at) {
   const Float zero = hn::Zero(kFloats), one = all(1);
-  const Float steep2 = hn::Min(hn::Mul(hn::Mul(scale, scale), dot(gradient, gradient)), all(1e30f));
-  const Float certainty = hn::Div(steep2, hn::Add(steep2, one));
-  const Vec3v world = to_world(frame, gradient);
-  const Float steepness = hn::Sqrt(dot(world, world));
-  // Where there is no normal, all of it is 0.
-  const Float per_length = hn::IfThenElseZero(hn::Gt(steepness, zero), hn::Div(one, steepness));
-  const Float certain = hn::IfThenElseZero(hn::Gt(steepness, zero), certainty);
+  constexpr float kCertain = 1e15f;  // as a steepness squared: more would only overflow
+  const Float steep2 = hn::Min(hn::Mul(hn::Mul(scale, scale), dot(gradient, gradient)), all(kCertain));
+  const Float steepness = hn::Sqrt(world_length2(frame, gradient));
+  // Where there is no normal, all of it is 0. One division for two: of steep2 / (steep2 + 1), the certainty,
+  // and of 1 / steepness.
+  const Mask some = hn::Gt(steepness, zero);
+  const Float above = hn::Add(steep2, one);
+  const Float both = hn::Div(one, hn::IfThenElse(some, hn::Mul(above, steepness), one));
+  const Float per_length = hn::IfThenElseZero(some, hn::Mul(above, both));
+  const Float certain = hn::IfThenElseZero(some, hn::Mul(hn::Mul(steep2, steepness), both));
   const scene::Lighting& lighting = frame.lighting.lighting;
   const Float ambient = all(lighting.ambient), specular = hn::Mul(certain, all(lighting.specular));
   Shade shade{{ambient, ambient, ambient}, {zero, zero, zero}};
   for (int l = 0; l < lighting.lights; ++l) {
     const scene::Light& light = lighting.light[l];
-    const Vec3f place(frame.lighting.place[l]);
-    Vec3v to_light = {all(place.x), all(place.y), all(place.z)};
-    Vec3v half;
+    Vec3v to_light = far_lights.to_light(l), half = far_lights.half(l);
     if (light.kind == scene::LightKind::point) {
+      const Vec3f place(frame.lighting.place[l]);
       const Vec3v point = point_at();
-      to_light = unit_or_zero(
-          {hn::Sub(to_light.x, point.x), hn::Sub(to_light.y, point.y), hn::Sub(to_light.z, point.z)});
-      half = Halfways::between(to_eye, to_light);
-    } else {
-      half = halfways[l];
+      const Vec3v direction = unit_or_zero(
+          {hn::Sub(all(place.x), point.x), hn::Sub(all(place.y), point.y), hn::Sub(all(place.z), point.z)});
+      to_light = to_tree(frame, direction);
+      half = to_tree(frame, FarLights::between(to_eye, direction));
     }
     const auto cosine = [&](const Vec3v& direction)
-                            HWY_ATTR { return hn::Mul(hn::Abs(dot(world, direction)), per_length); };
+                            HWY_ATTR { return hn::Mul(hn::Abs(dot(gradient, direction)), per_length); };
     const Float facing = hn::MulAdd(certain, hn::Sub(cosine(to_light), one), one);
     const Float glint = hn::Mul(specular, power_of(cosine(half), lighting.shininess));
     const Float diffuse = hn::Mul(all(lighting.diffuse), facing);

@@ -35,6 +35,7 @@ struct View {
   /// Voxels across a ray's cone where levels of detail are chosen: at 2 the filter between voxels is as wide
   /// as the cone, 1 is blurred and loads a quarter.
   double detail = 2;
+  static constexpr double kLeastDetail = 0.25, kMostDetail = 16;
 
   bool operator==(const View&) const = default;
 };

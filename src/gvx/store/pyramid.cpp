@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <limits>
+#include <future>
 
 #include "gvx/exec/parallel.h"
 #include "gvx/store/codec.h"
@@ -14,7 +14,9 @@
 namespace gvx::store {
 namespace {
 
-constexpr std::size_t kBatch = 256;  // bricks compressed together before they are written in order
+constexpr std::int64_t kLongestDeviationRow = 32 / 2 + 2;
+constexpr std::int64_t kLeastBand = 64;  // rows of a slice that are worth a thread's while
+constexpr std::size_t kBatch = 512;      // bricks compressed together before they are written in order
 
 ChannelRanges nothing(std::uint32_t channels) {
   ChannelRanges ranges;
@@ -46,6 +48,8 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
   const VoxelFormat format;
   const std::int64_t m, n;
   std::vector<Level> levels;
+  // Of each channel as many as there are bands; a slice's rows are counted band by band, side by side.
+  const std::int64_t bands;
   std::vector<ValueHistogram<Voxel>> histograms;
 
   Levels(const exec::Device& cpu, StoreWriter& w, VolumeInfo i)
@@ -55,7 +59,8 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
         format(info.format),
         m(info.shape.m),
         n(info.shape.n),
-        histograms(format.channels()) {
+        bands(std::clamp<std::int64_t>(info.shape.dimensions.y / kLeastBand, 1, device.threads())),
+        histograms(format.channels() * static_cast<std::size_t>(bands)) {
     const TreeShape& shape = info.shape;
     for (std::uint32_t l = 0; l < shape.levels; ++l) {
       Level level;
@@ -99,31 +104,39 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     for (std::int64_t i = 0; i < count; ++i) {
       GVX_CHECK(finest.slices < d.z);
       const std::byte* from = voxels.data() + static_cast<std::size_t>(i) * bytes;
-      for (std::size_t c = 0; c < format.planes; ++c) {
-        Voxel* to = slice(finest.planes[c], finest, finest.slices);
-        if (format.planes == 1) {
-          std::memcpy(to, from, bytes);
-        } else {
-          for (std::size_t v = 0; v < area; ++v) {
-            std::memcpy(to + v, from + (v * format.planes + c) * sizeof(Voxel), sizeof(Voxel));
-          }
-        }
-      }
+      parallel(bands, [&](std::int64_t band) { take_band(finest, from, band); });
       GVX_TRY(slice_came(info.shape.levels - 1));
     }
     return {};
   }
 
+  /// Puts a band of a new slice's rows into the window, and counts its values.
+  void take_band(Level& finest, const std::byte* from, std::int64_t band) {
+    const Vec3i d = info.shape.dimensions;
+    const auto first = static_cast<std::size_t>(band * d.y / bands * d.x);
+    const auto last = static_cast<std::size_t>((band + 1) * d.y / bands * d.x);
+    for (std::size_t c = 0; c < format.planes; ++c) {
+      Voxel* to = slice(finest.planes[c], finest, finest.slices);
+      if (format.planes == 1) {
+        std::memcpy(to + first, from + first * sizeof(Voxel), (last - first) * sizeof(Voxel));
+        continue;
+      }
+      for (std::size_t v = first; v < last; ++v) {
+        std::memcpy(to + v, from + (v * format.planes + c) * sizeof(Voxel), sizeof(Voxel));
+      }
+    }
+    for (std::uint32_t c = 0; c < format.channels(); ++c) {
+      const Voxel* values = slice(range_plane(finest, c), finest, finest.slices);
+      histograms[static_cast<std::size_t>(c * bands + band)].add(values + first,
+                                                                 static_cast<std::int64_t>(last - first));
+    }
+  }
+
   /// Slice level.slices stands in the window: writes what it completes, then makes one for the level above.
   Status slice_came(std::uint32_t l) {
     Level& level = levels[l];
-    const std::int64_t z = level.slices++;
+    ++level.slices;
     const bool last = level.slices == level.dimensions.z;
-    if (l + 1 == info.shape.levels) {
-      for (std::uint32_t c = 0; c < format.channels(); ++c) {
-        histograms[c].add(slice(range_plane(level, c), level, z), level.dimensions.x * level.dimensions.y);
-      }
-    }
     while (level.layers < level.nodes.z && (last || level.slices == (level.layers + 1) * m + n)) {
       GVX_TRY(write_layer(l));
     }
@@ -146,8 +159,15 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
   /// The newest up to n slices of `from` make the next slice of `to`.
   void downsample_into(Level& to, Level& from) {
     const std::int64_t z0 = (from.slices - 1) / n * n;
+    const bool in_eights =
+        format.content == VoxelContent::scalar && from.variances.empty() && n == 2 && from.slices - z0 == 2;
     parallel(to.dimensions.y, [&](std::int64_t y) {
-      for (std::int64_t x = 0; x < to.dimensions.x; ++x) {
+      std::int64_t begin = 0;
+      if (in_eights && 2 * y + 1 < from.dimensions.y) {
+        begin = from.dimensions.x / 2;
+        for (std::size_t c = 0; c < format.planes; ++c) average_eights(to, from, c, y, z0, begin);
+      }
+      for (std::int64_t x = begin; x < to.dimensions.x; ++x) {
         const Vec3i first(x * n, y * n, z0);
         const Vec3i last(std::min(first.x + n, from.dimensions.x), std::min(first.y + n, from.dimensions.y),
                          from.slices);
@@ -172,6 +192,25 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     for (std::int64_t z = first.z; z < last.z; ++z) {
       const T* plane = slice(window, level, z);
       for (std::int64_t y = first.y; y < last.y; ++y) function(plane + y * level.dimensions.x);
+    }
+  }
+
+  /// The first `count` voxels of a row, each of 2 x 2 x 2 of the finer level: what average() makes of them.
+  void average_eights(Level& to, Level& from, std::size_t c, std::int64_t y, std::int64_t z0,
+                      std::int64_t count) {
+    const bool finest = from.variances.empty();
+    Voxel* means = slice(to.planes[c], to, to.slices) + y * to.dimensions.x;
+    float* variances = slice(to.variances[c], to, to.slices) + y * to.dimensions.x;
+    for (std::int64_t x = 0; x < count; x += kEights) {
+      const Voxel* rows[4];
+      const float* below[4];
+      for (std::int64_t i = 0; i < 4; ++i) {
+        const std::int64_t at = (2 * y + i % 2) * from.dimensions.x + 2 * x;
+        rows[i] = slice(from.planes[c], from, z0 + i / 2) + at;
+        below[i] = finest ? nullptr : slice(from.variances[c], from, z0 + i / 2) + at;
+      }
+      store::average_eights<Voxel>(rows, finest ? nullptr : &below, std::min(kEights, count - x), means + x,
+                                   variances + x);
     }
   }
 
@@ -226,6 +265,14 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     }
   }
 
+  /// A brick's row is short: copies of known sizes, the last of which overlaps, are quicker than one.
+  static void copy_row(const Voxel* from, std::int64_t count, Voxel* to) {
+    constexpr std::int64_t kPiece = 8;
+    for (std::int64_t i = 0; i + kPiece < count; i += kPiece)
+      std::memcpy(to + i, from + i, kPiece * sizeof(Voxel));
+    std::memcpy(to + count - kPiece, from + count - kPiece, kPiece * sizeof(Voxel));
+  }
+
   /// Cuts out a plane of the brick of node (nx, ny) of the current layer, border included.
   void gather(Level& level, std::vector<Voxel>& plane, std::int64_t nx, std::int64_t ny, Voxel* brick) {
     const std::int64_t edge = m + 2, x0 = nx * m - 1;
@@ -236,7 +283,7 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
         const Voxel* row = from + std::clamp(ny * m + j - 1, std::int64_t(0), d.y - 1) * d.x;
         Voxel* to = brick + (k * edge + j) * edge;
         if (x0 >= 0 && x0 + edge <= d.x) {
-          std::memcpy(to, row + x0, static_cast<std::size_t>(edge) * sizeof(Voxel));
+          copy_row(row + x0, edge, to);
         } else {
           for (std::int64_t i = 0; i < edge; ++i) to[i] = row[std::clamp(x0 + i, std::int64_t(0), d.x - 1)];
         }
@@ -252,24 +299,31 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     thread_local std::vector<float> deviations;
     deviations.resize(static_cast<std::size_t>(edge * edge * edge));
     float greatest = 0;
+    float row_deviations[kLongestDeviationRow];
+    GVX_CHECK(edge <= kLongestDeviationRow);
     std::size_t i = 0;
     const auto pair = [](std::int64_t start, std::int64_t size, std::int64_t out_pair[2]) {
       for (int s = 0; s < 2; ++s) out_pair[s] = std::clamp(start + s, std::int64_t(0), size - 1);
     };
     for (std::int64_t k = -1; k + 1 < edge; ++k) {
-      std::int64_t zs[2], ys[2], xs[2];
+      std::int64_t zs[2], ys[2];
       pair(level.layers * m + 2 * k, d.z, zs);
       for (std::int64_t j = -1; j + 1 < edge; ++j) {
         pair(ny * m + 2 * j, d.y, ys);
-        for (std::int64_t h = -1; h + 1 < edge; ++h, ++i) {
-          pair(nx * m + 2 * h, d.x, xs);
+        const float* rows[4];
+        for (std::size_t r = 0; r < 4; ++r) rows[r] = slice(variances, level, zs[r / 2]) + ys[r % 2] * d.x;
+        const std::int64_t x0 = nx * m - 2;
+        const bool inside = x0 >= 0 && x0 + 2 * edge <= d.x;
+        for (std::int64_t h = 0; h < edge; ++h) {
+          std::int64_t xs[2] = {x0 + 2 * h, x0 + 2 * h + 1};
+          if (!inside) pair(x0 + 2 * h, d.x, xs);
           float sum = 0;
-          for (const std::int64_t z : zs) {
-            const float* plane = slice(variances, level, z);
-            for (const std::int64_t y : ys) sum += plane[y * d.x + xs[0]] + plane[y * d.x + xs[1]];
-          }
-          deviations[i] = std::sqrt(sum / 8);
-          greatest = std::max(greatest, deviations[i]);
+          for (const float* const row : rows) sum += row[xs[0]] + row[xs[1]];
+          row_deviations[h] = std::sqrt(sum / 8);
+        }
+        for (std::int64_t h = 0; h < edge; ++h, ++i) {
+          deviations[i] = row_deviations[h];
+          greatest = std::max(greatest, row_deviations[h]);
         }
       }
     }
@@ -290,13 +344,10 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     }
     ChannelRanges ranges;
     for (std::uint32_t c = 0; c < format.channels(); ++c) {
-      Voxel least = std::numeric_limits<Voxel>::max(), greatest = std::numeric_limits<Voxel>::lowest();
-      for_each_row(range_plane(level, c), level, first, last, [&](const Voxel* row) {
-        for (std::int64_t x = first.x; x < last.x; ++x) {
-          least = std::min(least, row[x]);
-          greatest = std::max(greatest, row[x]);
-        }
-      });
+      Extremes<Voxel> extremes;
+      for_each_row(range_plane(level, c), level, first, last,
+                   [&](const Voxel* row) { extremes.add(row + first.x, last.x - first.x); });
+      const Voxel least = extremes.least(), greatest = extremes.greatest();
       ranges.channel[c] = {colored() ? 0 : static_cast<float>(least), static_cast<float>(greatest)};
     }
     return ranges;
@@ -318,37 +369,49 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     }
   }
 
+  /// The ranges of a node of the current layer, and its compressed brick; none where it is a constant.
+  void make_brick(Level& level, std::size_t node, const ChannelRanges& below, ChannelRanges& ranges,
+                  std::vector<std::byte>& compressed) {
+    const auto nx = static_cast<std::int64_t>(node) % level.nodes.x,
+               ny = static_cast<std::int64_t>(node) / level.nodes.x;
+    ranges = own_ranges(level, nx, ny);
+    ranges.include(below);
+    compressed.clear();
+    if (ranges.constant()) return;
+    thread_local std::vector<std::byte> brick;
+    brick.resize(info.brick_bytes());
+    gather_brick(level, nx, ny, brick);
+    compress(info.codec, {sizeof(Voxel), format.planes * plane_texels(info.shape.m)}, brick, compressed);
+  }
+
   Status write_layer(std::uint32_t l) {
     Level& level = levels[l];
     auto& below = level.below[level.layers % 2];
     const std::size_t count = below.size();
-    std::vector<std::vector<std::byte>> compressed(std::min(count, kBatch));
+    std::vector<std::vector<std::byte>> compressed[2];
+    for (auto& bricks : compressed) bricks.resize(std::min(count, kBatch));
     std::vector<ChannelRanges> ranges(count);
+    std::future<Status> appending;  // of one batch, while the next is made
     for (std::size_t first = 0; first < count; first += kBatch) {
       const std::size_t batch = std::min(kBatch, count - first);
+      auto& bricks = compressed[first / kBatch % 2];
       parallel(static_cast<std::int64_t>(batch), [&](std::int64_t i) {
-        const std::size_t node = first + static_cast<std::size_t>(i);
-        const auto nx = static_cast<std::int64_t>(node) % level.nodes.x,
-                   ny = static_cast<std::int64_t>(node) / level.nodes.x;
-        ranges[node] = own_ranges(level, nx, ny);
-        ranges[node].include(below[node]);
-        auto& bytes = compressed[static_cast<std::size_t>(i)];
-        bytes.clear();
-        if (ranges[node].constant()) return;
-        thread_local std::vector<std::byte> brick;
-        brick.resize(info.brick_bytes());
-        gather_brick(level, nx, ny, brick);
-        compress(info.codec, {sizeof(Voxel), format.planes * plane_texels(info.shape.m)}, brick, bytes);
+        const auto brick = static_cast<std::size_t>(i);
+        make_brick(level, first + brick, below[first + brick], ranges[first + brick], bricks[brick]);
       });
-      for (std::size_t i = 0; i < batch; ++i) {
-        const std::size_t node = first + i;
-        NodeRecord record{0, 0, 0, ranges[node]};
-        if (!compressed[i].empty()) {
-          GVX_ASSIGN(record, writer.add_brick(compressed[i], ranges[node]));
+      if (appending.valid()) GVX_TRY(appending.get());
+      appending = std::async(std::launch::async, [&, first, batch]() -> Status {
+        for (std::size_t i = 0; i < batch; ++i) {
+          NodeRecord record{0, 0, 0, ranges[first + i]};
+          if (!bricks[i].empty()) {
+            GVX_ASSIGN(record, writer.add_brick(bricks[i], ranges[first + i]));
+          }
+          record_at(level, first + i) = record;
         }
-        record_at(level, node) = record;
-      }
+        return {};
+      });
     }
+    GVX_TRY(appending.get());
     pass_ranges_up(l, ranges);
     std::fill(below.begin(), below.end(), nothing(format.channels()));
     ++level.layers;
@@ -387,7 +450,11 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     for (const Level& level : levels)
       GVX_CHECK(level.slices == level.dimensions.z && level.layers == level.nodes.z);
     for (std::uint32_t c = 0; c < format.channels(); ++c) {
-      info.histograms.push_back(histograms[c].bins(info.ranges.channel[c], kHistogramBins));
+      ValueHistogram<Voxel>& sum = histograms[static_cast<std::size_t>(c * bands)];
+      for (std::int64_t band = 1; band < bands; ++band) {
+        sum.add(histograms[static_cast<std::size_t>(c * bands + band)]);
+      }
+      info.histograms.push_back(sum.bins(info.ranges.channel[c], kHistogramBins));
     }
     return writer.finish(info);
   }
@@ -412,12 +479,12 @@ std::uint64_t PyramidBuilder::window_bytes(const TreeShape& shape, VoxelFormat f
     bytes += pages.x * pages.y * pages.z * sizeof(PageEntry);
     const Vec3d nodes(shape.level_nodes(l));
     bytes += nodes.x * nodes.y * 3 * sizeof(ChannelRanges);
-    // A batch of compressed bricks, which may be as large as they were.
+    // Two batches of compressed bricks, which may be as large as they were.
     if (l + 1 == shape.levels) {
-      bytes +=
-          std::min(nodes.x * nodes.y, double{kBatch}) * static_cast<double>(brick_bytes(format, shape.m));
+      bytes += std::min(nodes.x * nodes.y, 2.0 * kBatch) * static_cast<double>(brick_bytes(format, shape.m));
     }
   }
+  bytes += 2.0 * StoreWriter::kPendingBytes;
   return bytes < 0x1p63 ? static_cast<std::uint64_t>(bytes) : UINT64_MAX / 2;
 }
 

@@ -22,6 +22,7 @@ StoreWriter::StoreWriter(std::string path, int descriptor, const TreeShape& shap
 
 StoreWriter::~StoreWriter() {
   if (descriptor_ < 0) return;
+  (void)wait_for_writing();
   unlink(partial_path_.c_str());
   close(descriptor_);
 }
@@ -65,9 +66,31 @@ Status StoreWriter::write_at(std::uint64_t offset, std::span<const std::byte> by
 }
 
 Status StoreWriter::append(std::span<const std::byte> bytes) {
-  GVX_TRY(write_at(end_, bytes));
+  pending_.insert(pending_.end(), bytes.begin(), bytes.end());
   end_ += bytes.size();
+  return pending_.size() < kPendingBytes ? Status() : write_pending();
+}
+
+/// Has what was appended written while the caller goes on; an error of what was written before.
+Status StoreWriter::write_pending() {
+  GVX_TRY(wait_for_writing());
+  std::swap(pending_, being_written_);
+  pending_.clear();
+  const std::uint64_t start = end_ - being_written_.size();
+  writing_ = std::async(std::launch::async, [this, start]() -> Status {
+    GVX_TRY(write_at(start, being_written_));
+#if defined(__linux__)
+    // The disk begins now, not when all is waited for at the end. Where it cannot, it does not matter.
+    (void)sync_file_range(descriptor_, static_cast<off_t>(start), static_cast<off_t>(being_written_.size()),
+                          SYNC_FILE_RANGE_WRITE);
+#endif
+    return {};
+  });
   return {};
+}
+
+Status StoreWriter::wait_for_writing() {
+  return writing_.valid() ? writing_.get() : Status();
 }
 
 Result<NodeRecord> StoreWriter::add_brick(std::span<const std::byte> compressed,
@@ -148,6 +171,8 @@ Status StoreWriter::finish(const VolumeInfo& info) {
   header.metadata_checksum = checksum(text_bytes);
   GVX_TRY(append(text_bytes));
 
+  GVX_TRY(write_pending());
+  GVX_TRY(wait_for_writing());
   header.file_bytes = end_;
   const auto header_bytes = std::as_bytes(std::span(&header, 1));
   header.header_checksum = checksum(header_bytes.first(offsetof(FileHeader, header_checksum)));

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <span>
 #include <string>
@@ -18,6 +19,9 @@ namespace gvx::store {
 /// wrote.
 class StoreWriter {
  public:
+  /// What is written at once; twice as much is held.
+  static constexpr std::size_t kPendingBytes = 4 << 20;
+
   /// An error where the file cannot be made or another process is writing it.
   static Result<std::unique_ptr<StoreWriter>> create(const std::string& path, const TreeShape& shape);
   ~StoreWriter();
@@ -39,6 +43,8 @@ class StoreWriter {
  private:
   StoreWriter(std::string path, int descriptor, const TreeShape& shape);
   Status append(std::span<const std::byte> bytes);
+  Status write_pending();
+  Status wait_for_writing();
   Status write_at(std::uint64_t offset, std::span<const std::byte> bytes);
 
   std::string path_;
@@ -46,6 +52,9 @@ class StoreWriter {
   int descriptor_;
   TreeShape shape_;
   std::uint64_t end_ = sizeof(FileHeader);
+  std::vector<std::byte> pending_;        // appended, but not written yet: the last before end_
+  std::vector<std::byte> being_written_;  // those before them
+  std::future<Status> writing_;
   std::vector<PageEntry> directory_;
 };
 

@@ -27,6 +27,10 @@ class ValueHistogram {
     for (std::size_t i = 0; i < fine_.size(); ++i) fine_[i] += even_[i] + odd_[i];
   }
 
+  void add(const ValueHistogram& other) {
+    for (std::size_t i = 0; i < fine_.size(); ++i) fine_[i] += other.fine_[i];
+  }
+
   /// The counts in equal bins over the range.
   std::vector<std::uint64_t> bins(ValueRange range, std::size_t count) const {
     std::vector<std::uint64_t> bins(count);
@@ -42,7 +46,7 @@ class ValueHistogram {
   }
 
  private:
-  static constexpr std::size_t kFineBins = 65536;
+  static constexpr std::size_t kFineBins = sizeof(Voxel) == 1 ? 256 : 65536;
 
   /// The value itself, or the 16 high bits of a float's order-preserving image.
   static std::size_t fine_bin(Voxel v) {
