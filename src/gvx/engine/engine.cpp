@@ -33,8 +33,8 @@ constexpr double kRefreshShare = 0.4;
 
 // Frames of a moving camera that do not come to blocks this fine show coarser levels, by so much more each
 // time; those that come to single pixels show finer ones again.
-constexpr double kMostLevelBias = 2;
-constexpr double kMoreLevelBias = 0.5;
+constexpr double kMostLevelBias = 1;
+constexpr double kMoreLevelBias = 0.25;
 constexpr double kLessLevelBias = 0.25;
 
 // Passes in which no ray of the first screen tile came further, beside those that it takes to descend to a
