@@ -1,0 +1,320 @@
+/// \file
+/// A vector of rays that are composited pre-integrated: what they sample, what of it is seen, and its light.
+/// composite.h once more, the same names mean the same. Compiled once for each instruction set.
+
+// Passed as often as there are instruction sets, so no #pragma once.
+#if defined(GVX_RENDER_COMPOSITE_RAYS_SIMD_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef GVX_RENDER_COMPOSITE_RAYS_SIMD_INL_H
+#undef GVX_RENDER_COMPOSITE_RAYS_SIMD_INL_H
+#else
+#define GVX_RENDER_COMPOSITE_RAYS_SIMD_INL_H
+#endif
+
+#include <cstddef>
+#include <cstdint>
+
+#include <hwy/contrib/math/math-inl.h>
+#include <hwy/highway.h>
+
+#include "gvx/render/composite.h"
+#include "gvx/render/sample_simd-inl.h"
+#include "gvx/render/shade_simd-inl.h"
+#include "gvx/render/simd_targets.h"
+#include "gvx/render/stretch_batch.h"
+#include "gvx/render/transfer_simd-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gvx::render::HWY_NAMESPACE {
+namespace {
+
+HWY_INLINE Float opacity_of(Float depth) {
+  return hn::Sub(all(1), hn::Exp(kFloats, hn::Neg(depth)));
+}
+HWY_INLINE Mask no_lanes() {
+  return hn::Lt(all(1), all(0));
+}
+
+/// ScalarSample, in entries.
+struct Place {
+  Float entry;
+  Float deviation;
+};
+template <bool kPlain>
+HWY_INLINE Place select(Mask mask, const Place& a, const Place& b) {
+  Place place{hn::IfThenElse(mask, a.entry, b.entry), b.deviation};
+  if constexpr (!kPlain) place.deviation = hn::IfThenElse(mask, a.deviation, b.deviation);
+  return place;
+}
+
+/// Somewhere below all that is seen: where the cells' masks say so, nothing is sampled.
+constexpr float kBelow = -1e30f;
+HWY_INLINE Place below() {
+  return {all(kBelow), hn::Zero(kFloats)};
+}
+
+/// EntryPath::mean along a ray's way through the function. kPlain: nothing deviates, so that what the table
+/// reads at a path's end serves for the next one's begin.
+template <bool kPlain>
+class Means {
+ public:
+  HWY_INLINE explicit Means(const Function& function) : function_(&function) {}
+
+  HWY_INLINE static Float variance3(const Place& a, const Place& b) {
+    if constexpr (kPlain) return hn::Zero(kFloats);
+    const Float deviation = hn::Mul(all(0.5f), hn::Add(a.deviation, b.deviation));
+    return hn::Mul(all(3), hn::Mul(deviation, deviation));
+  }
+  HWY_INLINE Mask unseen(const Place& a, const Place& b) const {
+    Float from = a.entry, to = b.entry;
+    widen(variance3(a, b), from, to);
+    return function_->invisible(from, to);
+  }
+
+  /// Of the lanes of `mask`; the others' matter is 0. Of a plain function paths must join.
+  GVX_PIECE Matter mean(Float from, Float to, Float variance3, Mask mask) {
+    const Float centre = hn::Mul(all(0.5f), hn::Add(from, to));
+    widen(variance3, from, to);
+    Matter m;
+    for (Float& part : m.part) part = hn::Zero(kFloats);
+    mask = hn::AndNot(function_->invisible(from, to), mask);
+    const Mask uneven = hn::AndNot(function_->is_even(from, to), mask);
+    const bool some_even = !none(hn::AndNot(uneven, mask)), some_uneven = !none(uneven);
+    if (some_even) m = function_->density_at(centre);
+    if (some_uneven) {
+      if (!kPlain || !known_) function_->read(from, reading_[last_]);
+      function_->read(to, reading_[1 - last_]);
+      const Matter wide = function_->mean(reading_[last_], reading_[1 - last_]);
+      for (int i = 0; i < 4; ++i) m.part[i] = hn::IfThenElse(uneven, wide.part[i], m.part[i]);
+      last_ = 1 - last_;
+    }
+    known_ = some_uneven;
+    for (Float& part : m.part) part = hn::IfThenElseZero(mask, part);
+    return m;
+  }
+
+ private:
+  HWY_INLINE static void widen(Float variance3, Float& from, Float& to) {
+    if constexpr (kPlain) return;
+    const Float centre = hn::Mul(all(0.5f), hn::Add(from, to)), width = hn::Sub(to, from);
+    const Float half = hn::Sqrt(hn::MulAdd(hn::Mul(all(0.25f), width), width, variance3));
+    from = hn::Sub(centre, half);
+    to = hn::Add(centre, half);
+  }
+
+  const Function* function_;
+  Reading reading_[2];  // to copy one takes long: a compiler does it in halves of vectors
+  int last_ = 0;        // where the last path ended
+  bool known_ = false;
+};
+
+/// Seen.
+struct Seen {
+  Vec3v color;
+  Float weight, moment;
+
+  HWY_INLINE static Seen nothing() {
+    const Float zero = hn::Zero(kFloats);
+    return {{zero, zero, zero}, zero, zero};
+  }
+};
+
+/// The gradient, in stored values a voxel of the levels that are blended.
+struct Slope {
+  Vec3v gradient;
+  Float blend;
+};
+
+/// The rays of a vector, and what they go through. kPlain_: one brick whose voxels deviate from nothing.
+template <typename Voxel, typename Texels_, bool kPlain_>
+class Rays {
+ public:
+  using Texels = Texels_;
+  static constexpr bool kPlain = kPlain_;
+
+  HWY_INLINE Rays(const FrameView& frame, StretchBatch& batch, const Function& function, const Texels& texels,
+                  const std::int32_t* rows, std::size_t count)
+      : frame_(frame),
+        batch_(batch),
+        function_(function),
+        texels_(texels),
+        lanes_(batch, rows, count),
+        edge_(static_cast<int>(batch.m)),
+        fine_(lanes_.fine(batch)),
+        coarse_(!kPlain && batch.blended ? lanes_.coarse(batch) : fine_),
+        to_eye_(frame.lighting.lighting.enabled ? lanes_.to_eye(batch) : fine_.first) {
+    lanes_.load(batch, color_, opacity_);
+    if (is_lit()) far_lights_.find(frame, to_eye_);
+  }
+
+  HWY_INLINE const BatchLanes& lanes() const { return lanes_; }
+  HWY_INLINE Float steps() const { return lanes_.steps(fine_); }
+  HWY_INLINE Mask going() const { return hn::Lt(opacity_, all(kOpaque)); }
+  HWY_INLINE Mask may_be_seen(Float i) const { return in_visible_cell(batch_.cells, edge_, fine_.at(i)); }
+  HWY_INLINE void count_samples(Mask mask) {
+    samples_ = hn::Sub(samples_, hn::VecFromMask(kInts, hn::RebindMask(kInts, mask)));
+  }
+  HWY_INLINE void store() { lanes_.store(batch_, color_, opacity_, samples_); }
+
+  /// The places i of several vectors of rays.
+  template <int kVectors>
+  HWY_INLINE static void sample_all(const Rays (&rays)[kVectors], const Float (&i)[kVectors],
+                                    Place (&places)[kVectors]) {
+    if constexpr (kPlain) {
+      Vec3v p[kVectors];
+      for (int k = 0; k < kVectors; ++k) p[k] = rays[k].fine_.at(i[k]);
+      CellSample samples[kVectors];
+      cell_samples(rays[0].texels_, rays[0].edge_, p, false, samples);
+      for (int k = 0; k < kVectors; ++k) {
+        places[k] = {rays[0].function_.entry_of(samples[k].value), hn::Zero(kFloats)};
+      }
+    } else {
+      for (int k = 0; k < kVectors; ++k) places[k] = rays[k].at(i[k]);
+    }
+  }
+  HWY_NOINLINE Place at(Float i) const {
+    const Vec3v p = fine_.at(i);
+    Float value = sample(texels_, edge_, p), deviates = hn::Zero(kFloats);
+    if constexpr (!kPlain) {
+      if (batch_.fine.deviates) deviates = deviation(deviations(batch_.fine), edge_, p);
+      if (batch_.blended) {
+        const Vec3v q = coarse_.at(i);
+        const Float blend = blend_at(i);
+        value = mix(value, sample(coarse_texels(), edge_, q), blend);
+        deviates = mix(deviates, deviation(deviations(batch_.coarse), edge_, q), blend);
+      }
+      deviates = function_.to_entries(deviates);
+    }
+    return {function_.entry_of(value), deviates};
+  }
+
+  /// How many times a step is sampled, and into how many parts a span is cut, by its matter and the entries
+  /// that it goes through.
+  HWY_INLINE Float cuts(Float extinction, Float longest) const {
+    const Float adds = hn::Mul(left(), hn::Min(hn::Mul(extinction, all(batch_.units)), all(1)));
+    return hn::Floor(
+        hn::Min(hn::MulAdd(hn::Mul(adds, longest), all(1 / kWidePath), all(1)), all(float(kMostCuts))));
+  }
+  HWY_INLINE Float parts(Float extinction, Float units, Float longest) const {
+    const Float adds = hn::Mul(left(), hn::Mul(extinction, units));
+    const Float thin = hn::MulAdd(adds, all(1 / kThinDepth), all(1));
+    return hn::IfThenElse(hn::Gt(longest, all(kNarrowPath)), hn::Floor(hn::Min(thin, all(float(kMostParts)))),
+                          all(1));
+  }
+
+  /// see_span of one part, whose middle is at place i: of the lanes of `mask`.
+  HWY_INLINE void see(const Matter& m, Float units, Float i, Mask mask, Seen& seen) {
+    mask = hn::And(hn::And(mask, going()), hn::Gt(m.part[3], hn::Zero(kFloats)));
+    const Float weight = hn::IfThenElseZero(mask, hn::Mul(left(), opacity_of(hn::Mul(m.part[3], units))));
+    const Float of_color = hn::Div(weight, hn::IfThenElse(mask, m.part[3], all(1)));
+    seen.color = {hn::MulAdd(of_color, m.part[0], seen.color.x),
+                  hn::MulAdd(of_color, m.part[1], seen.color.y),
+                  hn::MulAdd(of_color, m.part[2], seen.color.z)};
+    seen.weight = hn::Add(seen.weight, weight);
+    seen.moment = hn::MulAdd(weight, i, seen.moment);
+    opacity_ = hn::Add(opacity_, weight);
+  }
+
+  HWY_INLINE bool is_lit() const { return frame_.lighting.lighting.enabled; }
+  HWY_INLINE bool by_gradient() const { return frame_.visibility.functions[0].gradient_factor != nullptr; }
+
+  HWY_INLINE void add_lit(Float i, const Slope& slope, const Seen& seen) {
+    if (!is_lit()) return add(seen);
+    const Shade light = shade_at(i, slope);
+    // Where nothing is seen shades may be anything.
+    const Mask some = hn::Gt(seen.weight, hn::Zero(kFloats));
+    const auto lit = [&](Float sum, Float color, Float body, Float glint) HWY_ATTR {
+      const Float more = hn::MulAdd(color, body, hn::Mul(seen.weight, glint));
+      return hn::Add(sum, hn::IfThenElseZero(some, more));
+    };
+    color_ = {lit(color_.x, seen.color.x, light.body.x, light.glint.x),
+              lit(color_.y, seen.color.y, light.body.y, light.glint.y),
+              lit(color_.z, seen.color.z, light.body.z, light.glint.z)};
+  }
+  HWY_INLINE void add(const Seen& seen) {
+    color_ = {hn::Add(color_.x, seen.color.x), hn::Add(color_.y, seen.color.y),
+              hn::Add(color_.z, seen.color.z)};
+  }
+
+  /// Place i of the steps with these centres, or the last on the way there that is in the centre's voxel.
+  HWY_INLINE Float held(Float centre, Float i) const { return held_in_voxel(fine_, centre, i); }
+  HWY_NOINLINE Slope slope_at(Float i) const {
+    Slope slope{gradient(texels_, edge_, fine_.at(i)), hn::Zero(kFloats)};
+    if constexpr (!kPlain) {
+      if (batch_.blended) blend_in(gradient(coarse_texels(), edge_, coarse_.at(i)), i, slope);
+    }
+    return slope;
+  }
+
+  /// What the slopes of all places in the voxel of a step's centre come from.
+  struct Voxels {
+    Around fine, coarse;
+  };
+  HWY_NOINLINE void read_voxels(Float centre, Voxels& voxels) const {
+    voxels.fine.read(texels_, edge_, fine_.at(centre));
+    if constexpr (!kPlain) {
+      if (batch_.blended) voxels.coarse.read(coarse_texels(), edge_, coarse_.at(centre));
+    }
+  }
+  HWY_NOINLINE Slope slope_at(Float i, const Voxels& voxels) const {
+    Slope slope{voxels.fine.gradient(fine_.at(i)), hn::Zero(kFloats)};
+    if constexpr (!kPlain) {
+      if (batch_.blended) blend_in(voxels.coarse.gradient(coarse_.at(i)), i, slope);
+    }
+    return slope;
+  }
+  HWY_NOINLINE Float factor_of(const Slope& slope) const {
+    Float across = all(batch_.fine.voxels_across);
+    if constexpr (!kPlain) {
+      if (batch_.blended) across = mix(across, all(batch_.coarse.voxels_across), slope.blend);
+    }
+    const Float length = hn::Sqrt(world_length2(frame_, slope.gradient));
+    return function_.factor_of_gradient(hn::Mul(length, across));
+  }
+
+ private:
+  HWY_INLINE Float left() const { return hn::Sub(all(1), opacity_); }
+
+  HWY_INLINE static const Voxel* voxels(const StretchBatch::Path& path) {
+    return reinterpret_cast<const Voxel*>(path.brick);
+  }
+  HWY_INLINE const std::uint8_t* deviations(const StretchBatch::Path& path) const {
+    return reinterpret_cast<const std::uint8_t*>(voxels(path) + plane_texels(batch_.m));
+  }
+  HWY_INLINE Float blend_at(Float i) const {
+    return hn::Min(hn::Max(hn::MulAdd(i, coarse_.eighth, coarse_.fourth), hn::Zero(kFloats)), all(1));
+  }
+  HWY_INLINE PlainTexels<Voxel> coarse_texels() const { return PlainTexels<Voxel>(batch_.coarse.brick); }
+  HWY_INLINE void blend_in(const Vec3v& coarse, Float i, Slope& slope) const {
+    slope.blend = blend_at(i);
+    Vec3v& g = slope.gradient;
+    g = {mix(g.x, coarse.x, slope.blend), mix(g.y, coarse.y, slope.blend), mix(g.z, coarse.z, slope.blend)};
+  }
+
+  HWY_NOINLINE Shade shade_at(Float i, const Slope& slope) const {
+    Float scale = all(batch_.fine.gradient_scale);
+    if constexpr (!kPlain) {
+      if (batch_.blended) scale = mix(scale, all(batch_.coarse.gradient_scale), slope.blend);
+    }
+    return shade(frame_, scaled(all(1 / frame_.soft_gradient[0]), slope.gradient), scale, to_eye_,
+                 far_lights_, [&]() HWY_ATTR { return lanes_.places(batch_).at(i); });
+  }
+
+  const FrameView& frame_;
+  StretchBatch& batch_;
+  const Function& function_;
+  const Texels& texels_;
+  const BatchLanes lanes_;
+  const int edge_;
+  const PathRows fine_, coarse_;
+  const Vec3v to_eye_;
+  FarLights far_lights_;
+  Vec3v color_;
+  Float opacity_;
+  Int samples_ = hn::Zero(kInts);
+};
+
+}  // namespace
+}  // namespace gvx::render::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
