@@ -16,7 +16,12 @@ namespace {
 
 constexpr std::int64_t kLongestDeviationRow = 32 / 2 + 2;
 constexpr std::int64_t kLeastBand = 64;  // rows of a slice that are worth a thread's while
-constexpr std::size_t kBatch = 512;      // bricks compressed together before they are written in order
+
+/// How many bricks are compressed together before they are written in order.
+std::size_t bricks_at_once(VoxelFormat format, std::uint32_t m) {
+  constexpr std::size_t kBytes = 8 << 20, kLeast = 16, kMost = 512;
+  return std::clamp(kBytes / brick_bytes(format, m), kLeast, kMost);
+}
 
 ChannelRanges nothing(std::uint32_t channels) {
   ChannelRanges ranges;
@@ -387,14 +392,14 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
   Status write_layer(std::uint32_t l) {
     Level& level = levels[l];
     auto& below = level.below[level.layers % 2];
-    const std::size_t count = below.size();
+    const std::size_t count = below.size(), at_once = bricks_at_once(format, info.shape.m);
     std::vector<std::vector<std::byte>> compressed[2];
-    for (auto& bricks : compressed) bricks.resize(std::min(count, kBatch));
+    for (auto& bricks : compressed) bricks.resize(std::min(count, at_once));
     std::vector<ChannelRanges> ranges(count);
     std::future<Status> appending;  // of one batch, while the next is made
-    for (std::size_t first = 0; first < count; first += kBatch) {
-      const std::size_t batch = std::min(kBatch, count - first);
-      auto& bricks = compressed[first / kBatch % 2];
+    for (std::size_t first = 0; first < count; first += at_once) {
+      const std::size_t batch = std::min(at_once, count - first);
+      auto& bricks = compressed[first / at_once % 2];
       parallel(static_cast<std::int64_t>(batch), [&](std::int64_t i) {
         const auto brick = static_cast<std::size_t>(i);
         make_brick(level, first + brick, below[first + brick], ranges[first + brick], bricks[brick]);
@@ -481,7 +486,8 @@ std::uint64_t PyramidBuilder::window_bytes(const TreeShape& shape, VoxelFormat f
     bytes += nodes.x * nodes.y * 3 * sizeof(ChannelRanges);
     // Two batches of compressed bricks, which may be as large as they were.
     if (l + 1 == shape.levels) {
-      bytes += std::min(nodes.x * nodes.y, 2.0 * kBatch) * static_cast<double>(brick_bytes(format, shape.m));
+      bytes += std::min(nodes.x * nodes.y, 2.0 * static_cast<double>(bricks_at_once(format, shape.m))) *
+               static_cast<double>(brick_bytes(format, shape.m));
     }
   }
   bytes += 2.0 * StoreWriter::kPendingBytes;
