@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <vector>
 
 #include <fcntl.h>
@@ -95,6 +94,7 @@ Result<Parts> parts_of(const exec::Device& cpu, const std::string& store_path, c
   Parts parts;
   const int copy = open(copy_path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
   if (copy < 0) return Error{copy_path + ": cannot create"};
+  unlink(copy_path.c_str());  // gone with its descriptor, whatever happens
   while (true) {
     GVX_ASSIGN(const auto batch, bricks.next());
     if (batch.empty()) break;
@@ -118,7 +118,6 @@ Result<Parts> parts_of(const exec::Device& cpu, const std::string& store_path, c
   const auto start = Clock::now();
   if (fsync(copy) != 0 || close(copy) != 0) return Error{copy_path + ": cannot write"};
   parts.writing += seconds_since(start);
-  unlink(copy_path.c_str());
   return parts;
 }
 

@@ -1,8 +1,8 @@
 // A store bigger than one likes to wait for, seen from afar and along a recorded path. Prints JSON:
 //   far     the whole volume, a third of 512 pixels across, cold and then warm: time, bricks, their memory
-//   path    from a cold cache at 1280x720: the camera comes from afar, passes by and stops; frames of a
-//   budget,
-//           without and with prefetching and adapting levels, and how like exact pictures they are
+//   path    from a cold cache at 1280x720: the camera comes from afar, passes by and stops; frames
+//           of a budget, without and with prefetching and adapting levels, and how like exact pictures they
+//           are
 //
 //     gvx_bench_path STORE.gvx [BUDGET_MS]
 

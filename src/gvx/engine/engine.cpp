@@ -31,11 +31,10 @@ constexpr std::uint32_t kRestBlock = 4;
 // What a frame at rest spends on showing new data coarsely before exact rays reach it.
 constexpr double kRefreshShare = 0.4;
 
-// Frames of a moving camera that do not come to blocks this fine show coarser levels, by so much more each
-// time; those that come to single pixels show finer ones again.
+// Frames of a moving camera that do not come to blocks of kRestBlock show coarser levels, by so much more
+// each time; those that come to single pixels show finer ones again.
 constexpr double kMostLevelBias = 1;
-constexpr double kMoreLevelBias = 0.25;
-constexpr double kLessLevelBias = 0.25;
+constexpr double kLevelBiasStep = 0.25;
 
 // Passes in which no ray of the first screen tile came further, beside those that it takes to descend to a
 // brick, one a level: before one ray runs alone, and before it is taken for hopeless.
@@ -157,8 +156,8 @@ Status Engine::look_coarsely() {
 void Engine::adapt_levels() {
   if (judged_) return;
   judged_ = true;
-  if (preview_.block >= kRestBlock) level_bias_ = std::min(level_bias_ + kMoreLevelBias, kMostLevelBias);
-  if (preview_.complete()) level_bias_ = std::max(level_bias_ - kLessLevelBias, 0.0);
+  if (preview_.block >= kRestBlock) level_bias_ = std::min(level_bias_ + kLevelBiasStep, kMostLevelBias);
+  if (preview_.complete()) level_bias_ = std::max(level_bias_ - kLevelBiasStep, 0.0);
 }
 
 render::Pass Engine::pass(const render::Frame& frame) {
@@ -421,8 +420,7 @@ void Engine::prefetch(exec::Deadline deadline) {
   }
   ahead_->clear();
   std::iota(tile_list_.view().begin(), tile_list_.view().begin() + grid.tiles(), 0u);
-  render::Pass ahead = pass(*frame_);
-  ahead.frame = frame.value().view();
+  render::Pass ahead = pass(frame.value());
   ahead.epoch = ahead_->epoch();
   const bool drawn = render::march_preview(device_, ahead, grid, {tile_list_.view().data, grid.tiles()},
                                            deadline, 1, 1, ahead_->rays(), ahead_->preview());
