@@ -79,15 +79,18 @@ struct Seen {
   GVX_HD float middle() const { return moment / total; }
 };
 
-/// The gradients of each channel at a place.
+/// At a place, the gradients of the channels that are seen.
 template <std::uint32_t kChannels, typename Voxel, int M>
 struct Slopes {
   float i = 0, blend = 0;
   Vec3f gradient[kChannels];
 
-  GVX_HD Slopes(const FrameView& frame, const Stretch<Voxel, M>& s, std::uint32_t channels, float i_)
+  GVX_HD Slopes(const FrameView& frame, const Stretch<Voxel, M>& s, const Span<kChannels>& span,
+                std::uint32_t channels, float i_)
       : i(i_), blend(s.blend_at(frame, i_)) {
-    for (std::uint32_t c = 0; c < channels; ++c) gradient[c] = gradient_at(s, c, i, blend);
+    for (std::uint32_t c = 0; c < channels; ++c) {
+      if (span.matter[c].extinction > 0.0f) gradient[c] = gradient_at(s, c, i, blend);
+    }
   }
 
   /// What channel c's extinction is multiplied by.
@@ -178,7 +181,8 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
     for (std::uint32_t c = 0; c < channels; ++c) factor[c] = 1;
     if (by_gradient) {
       const float middle = 0.5f * (span.begin + span.end);
-      const Slopes<kChannels, Voxel, M> slopes(frame, s, channels, s.held_in_voxel(span.centre, middle));
+      const Slopes<kChannels, Voxel, M> slopes(frame, s, span, channels,
+                                               s.held_in_voxel(span.centre, middle));
       for (std::uint32_t c = 0; c < channels; ++c) factor[c] = slopes.factor(frame, s, c);
       see_span(visibility, span, channels, factor, span_units, seen, state);
       return add_lit(ray, s, channels, lit ? &slopes : nullptr, seen, state);
@@ -188,7 +192,7 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
     if (!lit) return add_lit<kChannels, Voxel, M>(ray, s, channels, nullptr, seen, state);
     // Lit where it is seen: a surface may begin near the back end.
     const float i = s.held_in_voxel(span.centre, seen.middle());
-    const Slopes<kChannels, Voxel, M> slopes(frame, s, channels, i);
+    const Slopes<kChannels, Voxel, M> slopes(frame, s, span, channels, i);
     add_lit(ray, s, channels, &slopes, seen, state);
   };
   ScalarSample front[kChannels], back[kChannels];

@@ -81,12 +81,15 @@ class Stepping {
       active_[k] = hn::And(hn::Lt(step_[k], end_[k]), rays_[k].going());
       begun[k] = all_cells_ ? active_[k] : hn::And(active_[k], rays_[k].may_be_seen(i[k]));
     }
-    if (none_of(begun)) return;
+    sample_fronts(i, begun);
+  }
+  HWY_INLINE void sample_fronts(const Float (&i)[kVectors], const Mask (&wanted)[kVectors]) {
+    if (none_of(wanted)) return;
     Place at[kVectors];
     RaysOf::sample_all(rays_, i, at);
     for (int k = 0; k < kVectors; ++k) {
-      rays_[k].count_samples(begun[k]);
-      front_[k] = select<kPlain>(begun[k], at[k], front_[k]);
+      rays_[k].count_samples(wanted[k]);
+      front_[k] = select<kPlain>(wanted[k], at[k], front_[k]);
     }
   }
   HWY_INLINE void go_on() {
@@ -130,13 +133,8 @@ class Stepping {
       unknown[k] = hn::And(visible[k], hn::Lt(front_[k].entry, all(0.1f * kBelow)));
     }
     if (none_of(unknown)) return;
-    Place at[kVectors];
-    RaysOf::sample_all(rays_, i, at);
-    for (int k = 0; k < kVectors; ++k) {
-      rays_[k].count_samples(unknown[k]);
-      front_[k] = select<kPlain>(unknown[k], at[k], front_[k]);
-      means[k] = Means<kPlain>(function_);
-    }
+    sample_fronts(i, unknown);
+    for (int k = 0; k < kVectors; ++k) means[k] = Means<kPlain>(function_);
   }
 
   HWY_INLINE void see_step(int k, Means<kPlain>& means, const Place& back, Mask visible) {

@@ -14,7 +14,6 @@
 namespace gvx::store {
 namespace {
 
-constexpr std::int64_t kLongestDeviationRow = 32 / 2 + 2;
 constexpr std::int64_t kLeastBand = 64;  // rows of a slice that are worth a thread's while
 
 /// How many bricks are compressed together before they are written in order.
@@ -304,8 +303,6 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     thread_local std::vector<float> deviations;
     deviations.resize(static_cast<std::size_t>(edge * edge * edge));
     float greatest = 0;
-    float row_deviations[kLongestDeviationRow];
-    GVX_CHECK(edge <= kLongestDeviationRow);
     std::size_t i = 0;
     const auto pair = [](std::int64_t start, std::int64_t size, std::int64_t out_pair[2]) {
       for (int s = 0; s < 2; ++s) out_pair[s] = std::clamp(start + s, std::int64_t(0), size - 1);
@@ -318,6 +315,7 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
         const float* rows[4];
         for (std::size_t r = 0; r < 4; ++r) rows[r] = slice(variances, level, zs[r / 2]) + ys[r % 2] * d.x;
         const std::int64_t x0 = nx * m - 2;
+        float* const row_deviations = deviations.data() + i;
         const bool inside = x0 >= 0 && x0 + 2 * edge <= d.x;
         for (std::int64_t h = 0; h < edge; ++h) {
           std::int64_t xs[2] = {x0 + 2 * h, x0 + 2 * h + 1};
@@ -326,10 +324,8 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
           for (const float* const row : rows) sum += row[xs[0]] + row[xs[1]];
           row_deviations[h] = std::sqrt(sum / 8);
         }
-        for (std::int64_t h = 0; h < edge; ++h, ++i) {
-          deviations[i] = row_deviations[h];
-          greatest = std::max(greatest, row_deviations[h]);
-        }
+        for (std::int64_t h = 0; h < edge; ++h) greatest = std::max(greatest, row_deviations[h]);
+        i += static_cast<std::size_t>(edge);
       }
     }
     const float unit = deviation_unit(greatest);
