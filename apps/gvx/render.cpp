@@ -70,7 +70,8 @@ nlohmann::json to_json(const engine::Statistics& s) {
           {"peak_memory_bytes", s.peak_memory_bytes},
           {"converged", s.converged},
           {"resident_share", s.resident_share},
-          {"worst_lack", s.worst_lack}};
+          {"worst_lack", s.worst_lack},
+          {"level_bias", s.level_bias}};
 }
 
 /// The newer frame's state, with the costs of both.

@@ -149,6 +149,7 @@ Status Engine::look_coarsely() {
   GVX_ASSIGN(auto frame,
              render::Frame::make(device_, coarse, placement_of(producer_->description()), &*frame_));
   moving_frame_ = std::move(frame);
+  moving_bias_ = level_bias_;
   return {};
 }
 
@@ -380,6 +381,7 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   const std::chrono::nanoseconds late = Clock::now() - deadline;
   overshoot_ = std::max(late, overshoot_ - overshoot_ / kFramesToForget);
   adapt_levels();
+  statistics_.level_bias = moving_frame_ ? moving_bias_ : 0;
   end_frame();
   return {};
 }

@@ -102,8 +102,9 @@ class Engine {
   produce::ProductionQueue queue_;
   std::optional<render::View> view_;
   std::optional<render::Frame> frame_;
-  std::optional<render::Frame> moving_frame_;  // what previews show instead, coarser by level_bias_
-  double level_bias_ = 0;
+  std::optional<render::Frame> moving_frame_;  // what previews show instead
+  double moving_bias_ = 0;                     // by how many levels that is coarser
+  double level_bias_ = 0;                      // by how many the next view's will be
   bool judged_ = true;  // whether this view's first frame came to its end
   std::optional<render::Film> film_;
   std::vector<std::uint32_t> unfinished_tiles_;

@@ -20,6 +20,7 @@ struct Statistics {
   bool converged = false;               ///< the picture is the exact one
   double resident_share = 0;            ///< of what the preview's rays wanted; 1 where the picture is exact
   std::uint32_t worst_lack = 0;         ///< the most levels by which the preview is coarser than wanted
+  double level_bias = 0;                ///< by how many levels the preview wants less than the exact picture
 };
 
 /// The largest resident set of this process so far.

@@ -584,17 +584,31 @@ struct TilePart {
   }
 };
 
+/// Which tiles that have something to do begin: those before the deadline, and one in any case. However slow
+/// the machine and short the frame, the next one finds more done.
+class Turns {
+ public:
+  explicit Turns(exec::Deadline deadline) : deadline_(deadline) {}
+  bool take() {
+    const bool first = !some_began_.exchange(true, std::memory_order_relaxed);
+    if (first || !exec::late(deadline_)) return true;
+    all_taken_.store(false, std::memory_order_relaxed);
+    return false;
+  }
+  bool all_taken() const { return all_taken_.load(std::memory_order_relaxed); }
+
+ private:
+  exec::Deadline deadline_;
+  std::atomic<bool> some_began_{false}, all_taken_{true};
+};
+
 template <typename Voxel, int N, int M>
 bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, const Pass& pass,
                  exec::TileGrid grid, exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
                  exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
-  std::atomic<bool> all_begun{true};
+  Turns turns(deadline);
   const TileProjection projection(view.frame, 1);
   exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
-    if (exec::late(deadline)) {
-      all_begun.store(false, std::memory_order_relaxed);
-      return;
-    }
     const TilePart part(grid, tiles[t]);
     const auto index_of = [&](std::uint32_t x, std::uint32_t y) { return std::size_t(y) * grid.width + x; };
     const auto index_of_ray = [&](std::uint32_t i) {
@@ -614,7 +628,7 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
     // A tile that is finished must cost next to nothing, or short frames end in it.
     if (all_finished) return;
     exec::store_relaxed(&unfinished[tiles[t]], 1);
-    if (marching.count() == 0) return;
+    if (marching.count() == 0 || !turns.take()) return;
     TileMarcher<Voxel, N, M> marcher(view, projection, part.x0, part.y0, 1, grid.tile, false);
     marcher.leave_out_all_but(marching);
     resuming.for_each([&](std::uint32_t i) { marcher.resume(i, rays[index_of_ray(i)]); });
@@ -634,7 +648,7 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
     });
     if (finished) exec::store_relaxed(&unfinished[tiles[t]], 0);
   });
-  return all_begun.load();
+  return turns.all_taken();
 }
 
 template <typename Voxel, int N, int M>
@@ -642,13 +656,9 @@ bool preview_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, c
                    exec::TileGrid grid, exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
                    std::uint32_t block, std::uint32_t generation, exec::BufferView<const RayState> rays,
                    exec::BufferView<PreviewPixel> pixels) {
-  std::atomic<bool> all_done{true};
+  Turns turns(deadline);
   const TileProjection projection(view.frame, double(block));
   exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
-    if (exec::late(deadline)) {
-      all_done.store(false, std::memory_order_relaxed);
-      return;
-    }
     const TilePart part(grid, tiles[t]);
     const auto index_of = [&](std::uint32_t x, std::uint32_t y) {
       return std::size_t(y) * block * view.frame.width + std::size_t(x) * block;
@@ -661,7 +671,7 @@ bool preview_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, c
     part.for_rays([&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
       if (!is_drawn(index_of(x, y))) missing.set(i);
     });
-    if (missing.count() == 0) return;
+    if (missing.count() == 0 || !turns.take()) return;
     TileMarcher<Voxel, N, M> marcher(view, projection, double(part.x0) * block, double(part.y0) * block,
                                      double(block), grid.tile, true);
     marcher.leave_out_all_but(missing);
@@ -679,7 +689,7 @@ bool preview_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, c
       pixel.generation = generation;
     });
   });
-  return all_done.load();
+  return turns.all_taken();
 }
 
 /// march_tiles for the pass's N and M.
