@@ -103,6 +103,22 @@ TEST(Vectors, show_what_one_ray_at_a_time_shows) {
   variant("flat highlights", [](auto& v) { v.lighting.shininess = 0; });
 }
 
+TEST(Vectors, through_nodes_of_one_value_where_levels_change) {
+  // Haze, and layers of waves whose faces are within nodes: of these some children are of one value.
+  const auto blocks = [](Vec3d p) {
+    const bool waved = int(192 * p.z / 20) % 2 == 0;
+    return waved ? waves(p * Vec3d(1, 1, 4)) : 0.45;
+  };
+  const TestScene scene = analytic_scene("vectors_blocks", blocks, {48, 48, 192}, {1, 1, 1}, 2, 8);
+  for (const double detail : {0.25, 0.43, 0.62}) {
+    TestScene changed = scene;
+    changed.view.camera.eye = {60, 70, -90};
+    changed.view.camera.target = {24, 24, 96};
+    changed.view.detail = detail;
+    expect_alike(changed, "blocks, detail " + std::to_string(detail));
+  }
+}
+
 TEST(Vectors, of_every_voxel_type_and_arity) {
   const auto scaled = [](double most) { return [most](Vec3d p) { return std::round(most * waves(p)); }; };
   for (const VoxelType type : {VoxelType::u8, VoxelType::u16, VoxelType::f32}) {

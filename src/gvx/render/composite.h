@@ -22,26 +22,54 @@ struct EntryPath {
 
   GVX_HD float length() const { return std::fabs(to - from); }
 
-  /// The mean matter of part `part` of `parts`.
-  GVX_HD scene::Matter mean(const scene::TransferView& function, int part, int parts) const {
-    const float length = (to - from) / static_cast<float>(parts);
-    const float begin = from + static_cast<float>(part) * length;
-    if (!(variance3 > 0.0f)) return function.mean(begin, part + 1 < parts ? begin + length : to);
-    const float centre = begin + 0.5f * length;
-    const float half = std::sqrt(variance3 + 0.25f * length * length);
+  /// The mean matter of the part of it between two shares of its length.
+  GVX_HD scene::Matter mean(const scene::TransferView& function, float begin, float end) const {
+    const float a = from + begin * (to - from), b = end < 1 ? from + end * (to - from) : to;
+    if (!(variance3 > 0.0f)) return function.mean(a, b);
+    const float centre = 0.5f * (a + b);
+    const float half = std::sqrt(variance3 + 0.25f * (b - a) * (b - a));
     return function.mean(centre - half, centre + half);
   }
+};
+
+/// Something cut into pieces of one length, and a last one that may be shorter: what comes of them is then
+/// continuous in what asks for them, and a rounding error there changes next to nothing.
+struct Pieces {
+  float number;  ///< so many times a piece's length is all
+
+  /// As many as asked for or one more; that one grows with the first quarter of what is asked for beyond.
+  GVX_HD static Pieces asked(float wanted, float most) {
+    const float held = std::fmin(std::fmax(wanted, 1.0f), most), whole = std::floor(held);
+    return {whole + std::fmin(4 * (held - whole), 1.0f)};
+  }
+
+  /// Where piece `index` ends, as a share of the whole; the last ends it.
+  GVX_HD float end(int index) const {
+    const auto next = static_cast<float>(index + 1);
+    return next < number ? next / number : 1;
+  }
+  GVX_HD bool has(int index) const { return static_cast<float>(index) < number; }
 };
 
 // A step is sampled at more places the more it adds to what is seen and the more entries of the function it
 // goes through: one more where it hides all and goes through this many.
 inline constexpr float kWidePath = 4.0f;
-inline constexpr int kMostCuts = 8;
-// Between two samples, a span that goes through more entries than this is cut into parts: one more for each
-// time that it adds this much.
+inline constexpr float kMostCuts = 8.0f;
+// Between two samples, a span that goes through more entries than this is cut into parts: one for each
+// time that it adds kThinDepth, if it goes through twice as many entries or more.
 inline constexpr float kNarrowPath = 8.0f;
 inline constexpr float kThinDepth = 0.25f;
-inline constexpr int kMostParts = 8;
+inline constexpr float kMostParts = 8.0f;
+
+/// Of a step that adds this much to what is seen, at most 1, and goes through so many entries.
+GVX_HD inline Pieces cuts_of(float adds, float longest) {
+  return Pieces::asked(adds * longest / kWidePath, kMostCuts);
+}
+/// Of a span between two samples.
+GVX_HD inline Pieces parts_of(float adds, float longest) {
+  const float wide = std::fmin(std::fmax(longest / kNarrowPath - 1, 0.0f), 1.0f);
+  return Pieces::asked(wide * adds / kThinDepth, kMostParts);
+}
 
 /// A part of a step, or all of it, between two samples of each channel. kChannels is 1, or the most there can
 /// be: then the frame says how many there are.
@@ -114,21 +142,19 @@ struct Slopes {
 template <std::uint32_t kChannels>
 GVX_HD void see_span(const scene::Visibility& visibility, const Span<kChannels>& span, std::uint32_t channels,
                      const float (&factor)[kChannels], float units, Seen<kChannels>& seen, RayState& state) {
-  int parts = 1;
-  if (span.longest > kNarrowPath) {
-    const float adds = (1 - state.opacity) * span.extinction * units;
-    parts = static_cast<int>(std::fmin(1 + adds / kThinDepth, float(kMostParts)));
-  }
-  const float share = 1 / static_cast<float>(parts);
-  for (int part = 0; part < parts; ++part) {
+  const Pieces parts = parts_of((1 - state.opacity) * span.extinction * units, span.longest);
+  float begin = 0;
+  for (int part = 0; parts.has(part); ++part) {
+    const float end = parts.end(part), share = end - begin, middle = 0.5f * (begin + end);
     scene::Matter matter[kChannels];
     float extinction = 0;
     for (std::uint32_t c = 0; c < channels; ++c) {
-      matter[c] = parts == 1 ? span.matter[c] : span.path[c].mean(visibility.functions[c], part, parts);
+      matter[c] = parts.has(1) ? span.path[c].mean(visibility.functions[c], begin, end) : span.matter[c];
       matter[c].color = factor[c] * matter[c].color;
       matter[c].extinction *= factor[c];
       extinction += matter[c].extinction;
     }
+    begin = end;
     if (!(extinction > 0.0f)) continue;
     const float weight = (1 - state.opacity) * opacity_of(extinction * units * share);
     const float of_color = weight / extinction;
@@ -136,7 +162,6 @@ GVX_HD void see_span(const scene::Visibility& visibility, const Span<kChannels>&
       seen.color[c] = seen.color[c] + of_color * matter[c].color;
       seen.weight[c] += of_color * matter[c].extinction;
     }
-    const float middle = (static_cast<float>(part) + 0.5f) * share;
     seen.total += weight;
     seen.moment += weight * (span.begin + middle * (span.end - span.begin));
     state.opacity += weight;
@@ -204,16 +229,17 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
     const Span<kChannels> whole(visibility, channels, centre, begin, end, front, back);
     // Where the values change fast they do not change evenly.
     const float adds = (1 - state.opacity) * std::fmin(whole.extinction * units, 1.0f);
-    const int cuts = static_cast<int>(std::fmin(1 + adds * whole.longest / kWidePath, float(kMostCuts)));
-    if (whole.extinction > 0.0f && cuts == 1) {
+    const Pieces cuts = cuts_of(adds, whole.longest);
+    if (whole.extinction > 0.0f && !cuts.has(1)) {
       see(whole, units);
     } else if (whole.extinction > 0.0f) {
-      const float share = 1 / static_cast<float>(cuts);
-      for (int cut = 1; cut <= cuts && state.phase == RayPhase::under_way; ++cut) {
+      float from = begin;
+      for (int cut = 0; cuts.has(cut) && state.phase == RayPhase::under_way; ++cut) {
         ScalarSample next[kChannels];
-        const float to = begin + static_cast<float>(cut) * share;
+        const float to = begin + cuts.end(cut);
         sample_all(to, next);
-        see(Span<kChannels>(visibility, channels, centre, to - share, to, front, next), units * share);
+        see(Span<kChannels>(visibility, channels, centre, from, to, front, next), units * (to - from));
+        from = to;
         for (std::uint32_t c = 0; c < channels; ++c) front[c] = next[c];
       }
     }

@@ -107,6 +107,25 @@ class Means {
   bool known_ = false;
 };
 
+/// Pieces.
+struct Pieces {
+  Float number;
+
+  HWY_INLINE static Pieces asked(Float wanted, float most) {
+    const Float held = hn::Min(hn::Max(wanted, all(1)), all(most)), whole = hn::Floor(held);
+    return {hn::Add(whole, hn::Min(hn::Mul(all(4), hn::Sub(held, whole)), all(1)))};
+  }
+  HWY_INLINE Float end(float index) const {
+    const Float next = all(index + 1);
+    return hn::IfThenElse(hn::Lt(next, number), hn::Div(next, number), all(1));
+  }
+  HWY_INLINE Mask has(float index) const { return hn::Lt(all(index), number); }
+  /// How many pieces the one of these lanes has that has most.
+  HWY_INLINE float most(Mask mask) const {
+    return hn::GetLane(hn::MaxOfLanes(kFloats, hn::IfThenElseZero(mask, number)));
+  }
+};
+
 /// Seen.
 struct Seen {
   Vec3v color;
@@ -187,18 +206,16 @@ class Rays {
     return {function_.entry_of(value), deviates};
   }
 
-  /// How many times a step is sampled, and into how many parts a span is cut, by its matter and the entries
-  /// that it goes through.
-  HWY_INLINE Float cuts(Float extinction, Float longest) const {
+  /// cuts_of and parts_of, by a step's or a span's matter and the entries that it goes through.
+  HWY_INLINE Pieces cuts(Float extinction, Float longest) const {
     const Float adds = hn::Mul(left(), hn::Min(hn::Mul(extinction, all(batch_.units)), all(1)));
-    return hn::Floor(
-        hn::Min(hn::MulAdd(hn::Mul(adds, longest), all(1 / kWidePath), all(1)), all(float(kMostCuts))));
+    return Pieces::asked(hn::Mul(hn::Mul(adds, longest), all(1 / kWidePath)), kMostCuts);
   }
-  HWY_INLINE Float parts(Float extinction, Float units, Float longest) const {
+  HWY_INLINE Pieces parts(Float extinction, Float units, Float longest) const {
     const Float adds = hn::Mul(left(), hn::Mul(extinction, units));
-    const Float thin = hn::MulAdd(adds, all(1 / kThinDepth), all(1));
-    return hn::IfThenElse(hn::Gt(longest, all(kNarrowPath)), hn::Floor(hn::Min(thin, all(float(kMostParts)))),
-                          all(1));
+    const Float wide =
+        hn::Min(hn::Max(hn::MulSub(longest, all(1 / kNarrowPath), all(1)), hn::Zero(kFloats)), all(1));
+    return Pieces::asked(hn::Mul(hn::Mul(wide, adds), all(1 / kThinDepth)), kMostParts);
   }
 
   /// see_span of one part, whose middle is at place i: of the lanes of `mask`.

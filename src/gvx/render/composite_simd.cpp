@@ -146,8 +146,9 @@ class Stepping {
     visible = hn::And(visible, hn::Gt(extinction, hn::Zero(kFloats)));
     if (none(visible)) return;
     const Float longest = hn::Abs(hn::Sub(back.entry, front.entry));
-    const Float pieces = hn::Max(rays.cuts(extinction, longest), rays.parts(extinction, units, longest));
-    const Mask waiting = hn::And(visible, hn::Gt(pieces, all(1)));
+    const Mask cut =
+        hn::Or(rays.cuts(extinction, longest).has(1), rays.parts(extinction, units, longest).has(1));
+    const Mask waiting = hn::And(visible, cut);
     if (!none(waiting)) {
       const Float numbers[5] = {step_[k], front.entry, front.deviation, back.entry, back.deviation};
       for (int n = 0; n < 5; ++n) wait_[k][n] = hn::IfThenElse(waiting, numbers[n], wait_[k][n]);
@@ -197,19 +198,20 @@ class Cutting {
     const Place back{waited.fourth, waited.per_step.x};
     Means<kPlain> ahead = means_;
     const Matter whole = ahead.mean(from.entry, back.entry, Means<kPlain>::variance3(from, back), valid);
-    const Float cuts = rays_.cuts(whole.part[3], hn::Abs(hn::Sub(back.entry, from.entry)));
-    const Float share = hn::Div(all(1), cuts), begin = hn::Sub(centre_, all(0.5f));
-    const Float units = hn::Mul(all(batch_.units), share);
-    const float most = hn::GetLane(hn::MaxOfLanes(kFloats, hn::IfThenElseZero(valid, cuts)));
-    for (float cut = 1; cut <= most; cut += 1) {
-      const Mask mask = hn::And(hn::And(valid, rays_.going()), hn::Le(all(cut), cuts));
+    const Pieces cuts = rays_.cuts(whole.part[3], hn::Abs(hn::Sub(back.entry, from.entry)));
+    const Float front = hn::Sub(centre_, all(0.5f));
+    const float most = cuts.most(valid);
+    Float begin = front;
+    for (float cut = 0; cut < most; cut += 1) {
+      const Mask mask = hn::And(hn::And(valid, rays_.going()), cuts.has(cut));
       if (none(mask)) break;
-      const Float end = hn::MulAdd(all(cut), share, begin);
+      const Float end = hn::Add(front, cuts.end(cut));
       const Place to = rays_.at(end);
       // A step that is not cut ends where it was sampled already.
-      rays_.count_samples(hn::And(mask, hn::Gt(cuts, all(1))));
-      see_span(from, to, hn::Sub(end, share), share, units, mask);
+      rays_.count_samples(hn::And(mask, cuts.has(1)));
+      see_span(from, to, begin, end, mask);
       from = to;
+      begin = end;
     }
     rays_.store();
     const Float next = hn::Add(centre_, all(1));
@@ -219,8 +221,9 @@ class Cutting {
   }
 
  private:
-  HWY_NOINLINE void see_span(const Place& from, const Place& to, Float begin, Float length, Float units,
-                             Mask mask) {
+  HWY_NOINLINE void see_span(const Place& from, const Place& to, Float begin, Float end, Mask mask) {
+    const Float length = hn::Sub(end, begin);
+    Float units = hn::Mul(all(batch_.units), length);
     const Float variance3 = Means<kPlain>::variance3(from, to);
     Means<kPlain> ahead = means_;
     const Matter whole = ahead.mean(from.entry, to.entry, variance3, mask);
@@ -230,7 +233,7 @@ class Cutting {
       return;
     }
     const Float way = hn::Sub(to.entry, from.entry);
-    const Float parts = rays_.parts(whole.part[3], units, hn::Abs(way));
+    const Pieces parts = rays_.parts(whole.part[3], units, hn::Abs(way));
     Seen seen = Seen::nothing();
     Float lit_at = centre_;
     Slope slope;
@@ -239,22 +242,22 @@ class Cutting {
       slope = slope_at(lit_at);
       units = hn::Mul(units, rays_.factor_of(slope));
     }
-    if (none(hn::And(mask, hn::Gt(parts, all(1))))) {
+    if (none(hn::And(mask, parts.has(1)))) {
       rays_.see(whole, units, hn::MulAdd(all(0.5f), length, begin), mask, seen);
       means_ = ahead;
     } else {
-      const float most = hn::GetLane(hn::MaxOfLanes(kFloats, hn::IfThenElseZero(mask, parts)));
-      const Float share = hn::Div(all(1), parts), part_units = hn::Mul(units, share);
-      const Float part_way = hn::Mul(way, share), part_length = hn::Mul(length, share);
-      Float at = from.entry;
+      const float most = parts.most(mask);
+      Float at = hn::Zero(kFloats), entry = from.entry;
       for (float part = 0; part < most; part += 1) {
-        const Float number = all(part), next_number = all(part + 1);
-        const Float next = hn::IfThenElse(hn::Lt(next_number, parts),
-                                          hn::MulAdd(next_number, part_way, from.entry), to.entry);
-        const Mask here = hn::And(mask, hn::Lt(number, parts));
-        const Matter matter = means_.mean(at, next, variance3, here);
-        rays_.see(matter, part_units, hn::MulAdd(all(part + 0.5f), part_length, begin), here, seen);
+        const Float next = parts.end(part);
+        const Float next_entry =
+            hn::IfThenElse(hn::Lt(next, all(1)), hn::MulAdd(next, way, from.entry), to.entry);
+        const Mask here = hn::And(mask, parts.has(part));
+        const Matter matter = means_.mean(entry, next_entry, variance3, here);
+        const Float middle = hn::Mul(all(0.5f), hn::Add(at, next));
+        rays_.see(matter, hn::Mul(units, hn::Sub(next, at)), hn::MulAdd(middle, length, begin), here, seen);
         at = next;
+        entry = next_entry;
       }
     }
     if (!rays_.is_lit()) return rays_.add(seen);

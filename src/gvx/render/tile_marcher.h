@@ -193,7 +193,8 @@ class TileMarcher {
     const Levels levels = levels_in(box);
     if (content.kind() == tree::ContentKind::constant) {
       place.kind = Place::constant;
-      return go_through(place, box, rect, levels, levels.finest, levels.coarsest);
+      // Steps of coarser levels are those of a node above, which has nearer ones too.
+      return go_through(place, box, rect, levels, levels.finest, std::max(levels.coarsest, at.level));
     }
     const bool has_brick = content.kind() == tree::ContentKind::brick;
     if (levels.finest > at.level && !child.terminal()) {
