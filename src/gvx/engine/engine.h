@@ -105,7 +105,7 @@ class Engine {
   std::optional<render::Frame> moving_frame_;  // what previews show instead
   double moving_bias_ = 0;                     // by how many levels that is coarser
   double level_bias_ = 0;                      // by how many the next view's will be
-  bool judged_ = true;  // whether this view's first frame came to its end
+  bool judged_ = true;                         // whether this view's first frame came to its end
   std::optional<render::Film> film_;
   std::vector<std::uint32_t> unfinished_tiles_;
   exec::Buffer<std::uint32_t> tile_list_, tile_flags_;
