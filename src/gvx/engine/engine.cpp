@@ -5,6 +5,7 @@
 #include <new>
 #include <numeric>
 #include <string>
+#include <utility>
 
 namespace gvx::engine {
 namespace {
@@ -28,13 +29,13 @@ constexpr int kMostRestarts = 60;
 // A view that was drawn in blocks of this many pixels is at rest: exact rays begin, which cost no more than
 // finer blocks.
 constexpr std::uint32_t kRestBlock = 4;
-// What a frame at rest spends on showing new data coarsely before exact rays reach it.
-constexpr double kRefreshShare = 0.4;
-
-// Frames of a moving camera that do not come to blocks of kRestBlock show coarser levels, by so much more
-// each time; those that come to single pixels show finer ones again.
-constexpr double kMostLevelBias = 1;
-constexpr double kLevelBiasStep = 0.25;
+// Once this share of what coarse blocks want is there, what comes later is for finer ones and exact rays.
+constexpr double kSettledShare = 0.95;
+// For how much of its budget a frame draws coarse blocks again, for the data that came.
+constexpr double kSettlingShare = 0.4;
+// What a frame at rest spends on showing new data coarsely before exact rays reach it: more where exact rays
+// only wait.
+constexpr double kLeastRefresh = 0.05, kMostRefresh = 0.4;
 
 // Passes in which no ray of the first screen tile came further, beside those that it takes to descend to a
 // brick, one a level: before one ray runs alone, and before it is taken for hopeless.
@@ -43,6 +44,10 @@ constexpr int kMostStuckPasses = 300;
 
 // Production threads beside a GPU, whose own host thread mostly waits.
 constexpr int kCudaProducers = 8;
+
+std::chrono::nanoseconds share_of(std::chrono::nanoseconds budget, double share) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(share * budget);
+}
 
 Status check(const produce::TreeDescription& tree) {
   if (tree.max_level >= render::kMaxLevels) {
@@ -135,30 +140,23 @@ Status Engine::look(const render::View& view) {
   crowded_ = false;
   preview_at_rest_ = false;
   restarts_ = 0;
-  begin_preview(render::Film::kLargestBlock);
+  begin_preview(camera_before_ ? pace_.first_block() : render::Film::kLargestBlock);
   return {};
 }
 
 /// A moving camera's previews are of coarser levels where the ones before did not come to an end.
 Status Engine::look_coarsely() {
   moving_frame_.reset();
-  judged_ = !camera_before_ || !adapts_levels_;
-  if (judged_ || !(level_bias_ > 0)) return {};
+  judged_ = !camera_before_;
+  const double bias = pace_.level_bias();
+  if (judged_ || !(bias > 0)) return {};
   render::View coarse = *view_;
-  coarse.detail = std::max(coarse.detail * std::exp2(-level_bias_), render::View::kLeastDetail);
+  coarse.detail = std::max(coarse.detail * std::exp2(-bias), render::View::kLeastDetail);
   GVX_ASSIGN(auto frame,
              render::Frame::make(device_, coarse, placement_of(producer_->description()), &*frame_));
   moving_frame_ = std::move(frame);
-  moving_bias_ = level_bias_;
+  moving_bias_ = bias;
   return {};
-}
-
-/// After the first frame of a view.
-void Engine::adapt_levels() {
-  if (judged_) return;
-  judged_ = true;
-  if (preview_.block >= kRestBlock) level_bias_ = std::min(level_bias_ + kLevelBiasStep, kMostLevelBias);
-  if (preview_.complete()) level_bias_ = std::max(level_bias_ - kLevelBiasStep, 0.0);
 }
 
 render::Pass Engine::pass(const render::Frame& frame) {
@@ -289,8 +287,14 @@ Status Engine::check_progress() {
 }
 
 void Engine::begin_preview(std::uint32_t first_block) {
-  preview_ = {preview_.generation + 1, first_block, 0};
+  preview_ = {preview_.generation + 1, first_block, first_block, 0};
   data_came_ = false;
+}
+
+/// Of a picture that is drawn: there is no hurry.
+void Engine::begin_refresh() {
+  begin_preview(1);
+  preview_.first = 0;
 }
 
 /// Draws the next few tiles of the preview; returns false where the deadline cut them off.
@@ -314,21 +318,29 @@ bool Engine::preview_chunk(exec::Deadline deadline) {
   return true;
 }
 
-/// Draws the coarse stages, and draws them again while data comes in: early in a frame better data shows more
-/// than finer pixels do. The coarsest stage is the small unit of work that is done in any case: a frame
+/// Draws the coarse stages, and draws them again while much data comes in: early in a frame better data shows
+/// more than finer pixels do. The first stage is the small unit of work that is done in any case: a frame
 /// always shows something.
-Status Engine::coarse_preview(exec::Deadline settled, exec::Deadline deadline) {
-  while (preview_.block >= kCoarseBlock) {
+Status Engine::coarse_preview(std::chrono::nanoseconds budget, exec::Deadline deadline) {
+  const exec::Deadline settled = frame_start_ + share_of(budget, kSettlingShare);
+  while (!preview_.complete() && (preview_.block == preview_.first || preview_.block >= kCoarseBlock)) {
     const std::uint32_t block = preview_.block;
-    const bool in_any_case = block == render::Film::kLargestBlock;
+    const bool in_any_case = block == preview_.first;
+    const auto begun = Clock::now();
     while (preview_.block == block) {
       if (!preview_chunk(in_any_case ? exec::no_deadline() : deadline)) return {};
     }
+    if (in_any_case) first_stage_ = Clock::now() - begun;
     ask(collect());
     GVX_TRY(take_finished());
-    if (data_came_ && Clock::now() < settled) begin_preview(render::Film::kLargestBlock);
+    if (data_came_ && Clock::now() < settled && lacks_much()) begin_preview(preview_.first);
   }
   return {};
+}
+
+/// Did coarse blocks want much that was not there?
+bool Engine::lacks_much() const {
+  return film_->resident_share(std::max(kCoarseBlock, preview_.first)) < kSettledShare;
 }
 
 /// Draws preview stages until the deadline or until the picture is drawn in single pixels.
@@ -351,15 +363,17 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   // A picture at rest that is drawn already is refreshed with what came since, for a part of the time; not
   // where the refresh would push out what exact rays wait for.
   const bool refreshing = preview_.complete() && data_came_ && !crowded_;
-  if (refreshing) begin_preview(1);
+  if (refreshing) begin_refresh();
   // One that is not drawn yet begins again with the data that came, though not for ever.
-  if (!preview_at_rest_ && !refreshing && data_came_ && restarts_++ < kMostRestarts) {
-    begin_preview(render::Film::kLargestBlock);
+  if (!preview_at_rest_ && !refreshing && data_came_ && restarts_ < kMostRestarts && lacks_much()) {
+    ++restarts_;
+    begin_preview(preview_.first);
   }
   preview_at_rest_ = preview_at_rest_ || refreshing;
-  const auto refresh_deadline =
-      frame_start_ + std::chrono::duration_cast<std::chrono::nanoseconds>(budget * kRefreshShare);
-  GVX_TRY(coarse_preview(refresh_deadline, deadline));
+  const exec::Deadline refresh_deadline =
+      frame_start_ +
+      std::clamp(std::exchange(waited_, {}), share_of(budget, kLeastRefresh), share_of(budget, kMostRefresh));
+  GVX_TRY(coarse_preview(budget, deadline));
   rays_marched_ = !unfinished_tiles_.empty();
   do {
     preview_pass(preview_at_rest_ ? refresh_deadline : deadline);  // render
@@ -371,16 +385,22 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
     if (prefetching_) GVX_TRY(take_finished());
     ask(collect());  // collect
     if (queue_.idle()) prefetch(deadline);
+    const auto waiting_since = Clock::now();
     while (!unfinished_tiles_.empty() && !queue_.idle() && !prefetching_ && Clock::now() < deadline) {
       queue_.wait_until(deadline);  // produce
       GVX_TRY(take_finished());     // evict, commit
     }
+    waited_ += Clock::now() - waiting_since;
     if (preview_.complete()) ++stamp_;
   } while (!unfinished_tiles_.empty() && Clock::now() < deadline);
   // Work that was begun is finished: the next frames stop as much earlier as the last ones were late.
   const std::chrono::nanoseconds late = Clock::now() - deadline;
   overshoot_ = std::max(late, overshoot_ - overshoot_ / kFramesToForget);
-  adapt_levels();
+  if (!judged_) {
+    pace_.first_stage_took(std::chrono::duration<double>(first_stage_) / budget, lacks_much());
+    pace_.frame_ended(preview_.block, adapts_levels_);
+    judged_ = true;
+  }
   statistics_.level_bias = moving_frame_ ? moving_bias_ : 0;
   end_frame();
   return {};

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "gvx/core/result.h"
+#include "gvx/engine/preview_pace.h"
 #include "gvx/engine/residency.h"
 #include "gvx/engine/statistics.h"
 #include "gvx/exec/device.h"
@@ -69,6 +70,7 @@ class Engine {
   /// How far a preview has come: its stage and the first tile of it that is not drawn.
   struct PreviewProgress {
     std::uint32_t generation = 0;
+    std::uint32_t first = 0;  ///< the block of the stage that is drawn in any case
     std::uint32_t block = 0;  ///< 0: complete
     std::uint32_t tile = 0;
 
@@ -78,12 +80,13 @@ class Engine {
   Engine(const exec::Device& device, std::shared_ptr<const produce::Producer> producer, PoolSizes sizes);
 
   Status look_coarsely();
-  void adapt_levels();
   render::Pass pass(const render::Frame& frame);
   void exact_pass(exec::Deadline deadline);
   void begin_preview(std::uint32_t first_block);
+  void begin_refresh();
   bool preview_chunk(exec::Deadline deadline);
-  Status coarse_preview(exec::Deadline settled, exec::Deadline deadline);
+  Status coarse_preview(std::chrono::nanoseconds budget, exec::Deadline deadline);
+  bool lacks_much() const;
   void preview_pass(exec::Deadline deadline);
   std::vector<produce::Job> collect();
   void ask(const std::vector<produce::Job>& jobs);
@@ -104,8 +107,8 @@ class Engine {
   std::optional<render::Frame> frame_;
   std::optional<render::Frame> moving_frame_;  // what previews show instead
   double moving_bias_ = 0;                     // by how many levels that is coarser
-  double level_bias_ = 0;                      // by how many the next view's will be
-  bool judged_ = true;                         // whether this view's first frame came to its end
+  PreviewPace pace_;
+  bool judged_ = true;  // this view's first frame has ended, or its camera does not move
   std::optional<render::Film> film_;
   std::vector<std::uint32_t> unfinished_tiles_;
   exec::Buffer<std::uint32_t> tile_list_, tile_flags_;
@@ -127,7 +130,9 @@ class Engine {
   bool rays_marched_ = false;                   // in this frame
   std::unordered_set<produce::Job, produce::JobHash> for_later_;  // prefetched and not yet asked for
   std::chrono::steady_clock::time_point frame_start_;
-  std::chrono::nanoseconds overshoot_{0};  // by which frames were late
+  std::chrono::nanoseconds overshoot_{0};    // by which frames were late
+  std::chrono::nanoseconds waited_{0};       // for producers, in the frame before
+  std::chrono::nanoseconds first_stage_{0};  // that the last preview's took
   Statistics statistics_;
 };
 

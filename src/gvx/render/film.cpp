@@ -111,4 +111,17 @@ FilmTotals Film::totals() const {
   return totals;
 }
 
+double Film::resident_share(std::uint32_t block) const {
+  std::uint64_t wanted = 0, resident = 0;
+  for (std::uint32_t y = 0; y < height_; y += block) {
+    for (std::uint32_t x = 0; x < width_; x += block) {
+      const PreviewPixel& pixel = preview_.view()[std::size_t(y) * width_ + x];
+      if (pixel.epoch != epoch_) continue;
+      wanted += pixel.wanted;
+      resident += pixel.resident;
+    }
+  }
+  return wanted > 0 ? static_cast<double>(resident) / static_cast<double>(wanted) : 1;
+}
+
 }  // namespace gvx::render

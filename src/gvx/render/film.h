@@ -59,6 +59,8 @@ class Film {
   Picture develop(std::uint32_t rays_per_axis, Vec3f background, bool opaque_background) const;
 
   FilmTotals totals() const;
+  /// Of what the preview's rays of blocks of this size wanted, the share that they had; 1 before any ran.
+  double resident_share(std::uint32_t block) const;
 
  private:
   /// Colour, multiplied by its opacity, and opacity.
