@@ -126,10 +126,10 @@ class TileMarcher {
 
   /// Is the ray so short that it has no step, but must have a value all the same? Another must march it.
   bool is_stub(std::uint32_t index) const { return projects_ && stubs_.has(index); }
-  /// Where ray `index` is now.
-  RayState state_of(std::uint32_t index) const {
+  /// Where ray `index` is now: all of the state but its epoch. Number by number, since a copy of a state that
+  /// was just put together waits for all of its stores.
+  void put_state(std::uint32_t index, RayState& state) const {
     const TileRays& rays = work_.rays;
-    RayState state;
     state.tick = static_cast<std::int64_t>(rays.tick[index]);
     const float(&gathered)[4] = rays.gathered[index];
     state.color = {gathered[0], gathered[1], gathered[2]};
@@ -137,7 +137,6 @@ class TileMarcher {
     state.samples = static_cast<std::uint32_t>(rays.samples[index]);
     const bool goes_on = blocked_.has(index) || (stopped_ && active_.has(index));
     state.phase = goes_on ? RayPhase::under_way : RayPhase::finished;
-    return state;
   }
   /// What a preview of it shows.
   PreviewPixel pixel(std::uint32_t index) const {
@@ -149,6 +148,12 @@ class TileMarcher {
   }
 
  private:
+  RayState state_of(std::uint32_t index) const {
+    RayState state;
+    put_state(index, state);
+    return state;
+  }
+
   /// A node on the way down.
   struct At {
     NodeIndex node, parent;
@@ -642,7 +647,7 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
         const std::uint32_t x = part.x0 + i % TileRays::kEdge, y = part.y0 + i / TileRays::kEdge;
         RayMarcher<Voxel, N, M>(view, x, y).march_exact(ray);
       } else {
-        ray = marcher.state_of(i);
+        marcher.put_state(i, ray);
       }
       ray.epoch = pass.epoch;
       finished = finished && ray.phase == RayPhase::finished;
