@@ -105,9 +105,9 @@ TEST_F(Program, builds_verifies_describes_and_renders) {
   EXPECT_GT(image.rgba[4 * (80 * 30 + 40)], 100);  // the ball is in the middle
   EXPECT_EQ(image.rgba[0], 0);                     // and not in the corner
   const auto statistics = read_json("ball.json");
-  for (const char* field :
-       {"frame_milliseconds", "passes", "requests", "bricks_produced", "bricks_resident", "nodes_resident",
-        "bytes_read", "samples", "peak_memory_bytes", "converged", "resident_share", "worst_lack", "level_bias"}) {
+  for (const char* field : {"frame_milliseconds", "passes", "requests", "bricks_produced", "bricks_resident",
+                            "nodes_resident", "bytes_read", "samples", "peak_memory_bytes", "converged",
+                            "resident_share", "worst_lack", "level_bias"}) {
     EXPECT_TRUE(statistics.contains(field)) << field;
   }
   EXPECT_EQ(statistics["converged"], true);
