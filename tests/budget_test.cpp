@@ -97,7 +97,7 @@ TEST(Budget, coarser_levels_are_for_moving_cameras_that_miss_their_budget_and_le
     camera.eye = near.eye;
     engine::EngineOptions options;
     options.adapt_levels = adapts;
-    const auto engine = engine::Engine::create(exec::Device::cpu(), scene.open(), options).value();
+    const auto engine = engine::Engine::create(exec::Device::cpu(1), scene.open(), options).value();
     ASSERT_TRUE(engine->look(scene.view).ok());
     ASSERT_TRUE(engine->render_exact().ok());
     for (int frame = 0; frame < 8; ++frame) {
@@ -133,6 +133,31 @@ TEST(Budget, says_how_much_of_what_it_wants_is_there) {
   }
   EXPECT_TRUE(coarse);
   EXPECT_EQ(share, 1);
+}
+
+TEST(Budget, says_where_its_time_went) {
+  TestScene scene = scene_of("stages");
+  const auto engine = engine::Engine::create(exec::Device::cpu(), scene.open(), {}).value();
+  const engine::StageTimes opened = engine->statistics().stages;
+  ASSERT_TRUE(engine->look(scene.view).ok());
+  ASSERT_TRUE(engine->render_exact().ok());
+  const engine::Statistics cold = engine->statistics();
+  const double reading = cold.stages.reading - opened.reading;
+  const double decoding = cold.stages.decoding - opened.decoding;
+  EXPECT_GT(reading, 0);
+  EXPECT_GT(decoding, 0);
+  EXPECT_GE(cold.stages.producing, reading + decoding);
+  EXPECT_GT(cold.stages.committing, 0);
+  const double frame = cold.stages.marching + cold.stages.committing + cold.stages.waiting;
+  EXPECT_GT(frame, 0.5 * cold.frame_milliseconds);
+  EXPECT_LE(frame, cold.frame_milliseconds);
+  // All is there: nothing more is made.
+  scene.view.background.x += 0.5f;
+  ASSERT_TRUE(engine->look(scene.view).ok());
+  ASSERT_TRUE(engine->render_exact().ok());
+  const engine::StageTimes warm = engine->statistics().stages;
+  EXPECT_EQ(warm.producing, cold.stages.producing);
+  EXPECT_GT(warm.marching, cold.stages.marching);
 }
 
 TEST(Budget, makes_what_a_moving_camera_will_need_while_it_waits_for_nothing) {

@@ -107,7 +107,7 @@ TEST_F(Program, builds_verifies_describes_and_renders) {
   const auto statistics = read_json("ball.json");
   for (const char* field : {"frame_milliseconds", "passes", "requests", "bricks_produced", "bricks_resident",
                             "nodes_resident", "bytes_read", "samples", "peak_memory_bytes", "converged",
-                            "resident_share", "worst_lack", "level_bias"}) {
+                            "resident_share", "worst_lack", "level_bias", "stages"}) {
     EXPECT_TRUE(statistics.contains(field)) << field;
   }
   EXPECT_EQ(statistics["converged"], true);

@@ -58,6 +58,8 @@ Status write_picture(const std::string& path, const render::Picture& picture) {
 }
 
 nlohmann::json to_json(const engine::Statistics& s) {
+  nlohmann::json stages;
+  for (const auto& [name, milliseconds] : s.stages.named()) stages[name] = milliseconds;
   return {{"frame_milliseconds", s.frame_milliseconds},
           {"passes", s.passes},
           {"requests", s.requests},
@@ -71,7 +73,8 @@ nlohmann::json to_json(const engine::Statistics& s) {
           {"converged", s.converged},
           {"resident_share", s.resident_share},
           {"worst_lack", s.worst_lack},
-          {"level_bias", s.level_bias}};
+          {"level_bias", s.level_bias},
+          {"stages", std::move(stages)}};
 }
 
 /// The newer frame's state, with the costs of both.

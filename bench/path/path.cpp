@@ -135,6 +135,9 @@ nlohmann::json bench_path(const char* path, double budget_ms, Means means, Exact
   int frames = 0;
   while (!engine->converged() && frames++ < 100000) GVX_CHECK(engine->render_for(budget).ok());
   const double exact_after_stop = since(stopped);
+  const engine::Statistics statistics = engine->statistics();
+  nlohmann::json stages_ms;
+  for (const auto& [name, milliseconds] : statistics.stages.named()) stages_ms[name] = milliseconds;
   for (int frame = 0; exact.frames.size() < shown.size(); frame += ExactPictures::kApart) {
     view.camera = camera.at(frame);
     GVX_CHECK(engine->look(view).ok() && engine->render_exact().ok());
@@ -156,7 +159,8 @@ nlohmann::json bench_path(const char* path, double budget_ms, Means means, Exact
           {"lacking_95th", percentile(lacking, 0.95)},
           {"psnr_median", percentile(decibels, 0.5)},
           {"psnr_5th", percentile(decibels, 0.05)},
-          {"exact_after_stop_ms", exact_after_stop}};
+          {"exact_after_stop_ms", exact_after_stop},
+          {"stages_ms", std::move(stages_ms)}};
 }
 
 }  // namespace

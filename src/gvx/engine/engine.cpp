@@ -22,8 +22,8 @@ constexpr int kMostOfBudget = 4;
 constexpr int kFramesToForget = 16;
 // And by one in so many parts in any case: those that end late are few then.
 constexpr int kSpareOfBudget = 20;
-// The finest of a preview's stages that are drawn again while data comes in, and in how many frames of a
-// view.
+// Of a preview's stages after the first, the finest that is drawn again while data comes in; and in how many
+// frames of a view.
 constexpr std::uint32_t kCoarseBlock = 8;
 constexpr int kMostRestarts = 60;
 // A view that was drawn in blocks of this many pixels is at rest: exact rays begin, which cost no more than
@@ -112,6 +112,7 @@ Status Engine::look(const render::View& view) {
       const std::uint32_t tiles = film.grid().tiles();
       exec::Buffer<std::uint32_t> list(device_, std::max(tiles, kPreviewChunk)), flags(device_, tiles);
       film_ = std::move(film);
+      pace_ = {};
       tile_list_ = std::move(list);
       tile_flags_ = std::move(flags);
     } catch (const std::bad_alloc&) {
@@ -139,6 +140,7 @@ Status Engine::look(const render::View& view) {
   lone_ray_ = render::Pass::kAllRays;
   crowded_ = false;
   preview_at_rest_ = false;
+  shows_something_ = false;
   restarts_ = 0;
   begin_preview(camera_before_ ? pace_.first_block() : render::Film::kLargestBlock);
   return {};
@@ -181,6 +183,7 @@ render::Pass Engine::pass(const render::Frame& frame) {
 /// Marches the unfinished tiles of the window and strikes out those that are finished. A pass that the
 /// deadline cuts off goes on where it was cut, so that every tile has its turn.
 void Engine::exact_pass(exec::Deadline deadline) {
+  const TimeSum::Span marching(marching_);
   ++statistics_.passes;
   const bool timed = deadline != exec::no_deadline();
   const std::size_t chunk =
@@ -210,6 +213,7 @@ void Engine::exact_pass(exec::Deadline deadline) {
 /// What rays lack, as far as there is room for it. Where they want more than that, fewer of them run at a
 /// time; where even one tile of them does, what is in use may be pushed out: they have passed it.
 std::vector<produce::Job> Engine::collect() {
+  const TimeSum::Span committing(committing_);
   const std::vector<produce::Job> lacking = residency_.collect(stamp_);
   statistics_.requests += residency_.requested();
   std::vector<produce::Job> jobs = lacking;
@@ -243,7 +247,10 @@ Status Engine::render_exact() {
     exact_pass(exec::no_deadline());  // render
     ask(collect());                   // collect
     while (!queue_.idle()) {
-      queue_.wait();             // produce
+      {
+        const TimeSum::Span waiting(waiting_);
+        queue_.wait();  // produce
+      }
       GVX_TRY(take_finished());  // evict, commit
     }
     GVX_TRY(check_progress());
@@ -299,6 +306,7 @@ void Engine::begin_refresh() {
 
 /// Draws the next few tiles of the preview; returns false where the deadline cut them off.
 bool Engine::preview_chunk(exec::Deadline deadline) {
+  const TimeSum::Span marching(marching_);
   const std::uint32_t block = preview_.block;
   const exec::TileGrid rays = film_->grid();
   const exec::TileGrid grid{(rays.width + block - 1) / block, (rays.height + block - 1) / block, 8};
@@ -325,12 +333,15 @@ Status Engine::coarse_preview(std::chrono::nanoseconds budget, exec::Deadline de
   const exec::Deadline settled = frame_start_ + share_of(budget, kSettlingShare);
   while (!preview_.complete() && (preview_.block == preview_.first || preview_.block >= kCoarseBlock)) {
     const std::uint32_t block = preview_.block;
-    const bool in_any_case = block == preview_.first;
+    const bool in_any_case = block == preview_.first && !shows_something_;
     const auto begun = Clock::now();
     while (preview_.block == block) {
       if (!preview_chunk(in_any_case ? exec::no_deadline() : deadline)) return {};
     }
-    if (in_any_case) first_stage_ = Clock::now() - begun;
+    if (block == preview_.first) {
+      first_stage_ = Clock::now() - begun;
+      shows_something_ = true;
+    }
     ask(collect());
     GVX_TRY(take_finished());
     if (data_came_ && Clock::now() < settled && lacks_much()) begin_preview(preview_.first);
@@ -343,9 +354,10 @@ bool Engine::lacks_much() const {
   return film_->resident_share(std::max(kCoarseBlock, preview_.first)) < kSettledShare;
 }
 
-/// Draws preview stages until the deadline or until the picture is drawn in single pixels.
+/// Draws preview stages, some tiles in any case, until the deadline or until the picture is drawn in single
+/// pixels.
 void Engine::preview_pass(exec::Deadline deadline) {
-  while (!preview_.complete() && Clock::now() < deadline && preview_chunk(deadline)) {
+  while (!preview_.complete() && preview_chunk(deadline) && Clock::now() < deadline) {
   }
 }
 
@@ -370,9 +382,10 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
     begin_preview(preview_.first);
   }
   preview_at_rest_ = preview_at_rest_ || refreshing;
+  const std::chrono::nanoseconds waited = waiting_.total() - waited_before_;
+  waited_before_ = waiting_.total();
   const exec::Deadline refresh_deadline =
-      frame_start_ +
-      std::clamp(std::exchange(waited_, {}), share_of(budget, kLeastRefresh), share_of(budget, kMostRefresh));
+      frame_start_ + std::clamp(waited, share_of(budget, kLeastRefresh), share_of(budget, kMostRefresh));
   GVX_TRY(coarse_preview(budget, deadline));
   rays_marched_ = !unfinished_tiles_.empty();
   do {
@@ -385,22 +398,23 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
     if (prefetching_) GVX_TRY(take_finished());
     ask(collect());  // collect
     if (queue_.idle()) prefetch(deadline);
-    const auto waiting_since = Clock::now();
     while (!unfinished_tiles_.empty() && !queue_.idle() && !prefetching_ && Clock::now() < deadline) {
-      queue_.wait_until(deadline);  // produce
-      GVX_TRY(take_finished());     // evict, commit
+      {
+        const TimeSum::Span waiting(waiting_);
+        queue_.wait_until(deadline);  // produce
+      }
+      GVX_TRY(take_finished());  // evict, commit
     }
-    waited_ += Clock::now() - waiting_since;
     if (preview_.complete()) ++stamp_;
   } while (!unfinished_tiles_.empty() && Clock::now() < deadline);
   // Work that was begun is finished: the next frames stop as much earlier as the last ones were late.
   const std::chrono::nanoseconds late = Clock::now() - deadline;
   overshoot_ = std::max(late, overshoot_ - overshoot_ / kFramesToForget);
-  if (!judged_) {
+  if (!judged_ && rays_marched_) {
     pace_.first_stage_took(std::chrono::duration<double>(first_stage_) / budget, lacks_much());
     pace_.frame_ended(preview_.block, adapts_levels_);
-    judged_ = true;
   }
+  judged_ = true;
   statistics_.level_bias = moving_frame_ ? moving_bias_ : 0;
   end_frame();
   return {};
@@ -444,9 +458,17 @@ void Engine::prefetch(exec::Deadline deadline) {
   std::iota(tile_list_.view().begin(), tile_list_.view().begin() + grid.tiles(), 0u);
   render::Pass ahead = pass(frame.value());
   ahead.epoch = ahead_->epoch();
-  const bool drawn = render::march_preview(device_, ahead, grid, {tile_list_.view().data, grid.tiles()},
-                                           deadline, 1, 1, ahead_->rays(), ahead_->preview());
-  std::vector<produce::Job> jobs = residency_.collect(stamp_);
+  bool drawn = false;
+  {
+    const TimeSum::Span marching(marching_);
+    drawn = render::march_preview(device_, ahead, grid, {tile_list_.view().data, grid.tiles()}, deadline, 1,
+                                  1, ahead_->rays(), ahead_->preview());
+  }
+  std::vector<produce::Job> jobs;
+  {
+    const TimeSum::Span committing(committing_);
+    jobs = residency_.collect(stamp_);
+  }
   if (jobs.empty() && drawn) camera_before_.reset();
   if (jobs.empty()) return;
   residency_.limit_to_room(jobs, Eviction::unused);
@@ -461,6 +483,7 @@ void Engine::prefetch(exec::Deadline deadline) {
 }
 
 Status Engine::take_finished() {
+  const TimeSum::Span committing(committing_);
   std::vector<produce::Produced> made = queue_.take_finished();
   // What nobody sees may fail: whoever comes to see it will hear of it.
   const auto failed = std::remove_if(made.begin(), made.end(), [&](const produce::Produced& p) {
@@ -503,6 +526,13 @@ Statistics Engine::statistics() const {
   s.resident_share = s.converged ? 1.0 : static_cast<double>(totals.resident) / wanted;
   s.worst_lack = s.converged ? 0 : totals.worst_lack;
   s.peak_memory_bytes = peak_memory_bytes();
+  const produce::ProductionTimes times = producer_->times();
+  s.stages = {.reading = times.reading_milliseconds,
+              .decoding = times.decoding_milliseconds,
+              .producing = queue_.making_milliseconds(),
+              .marching = marching_.milliseconds(),
+              .committing = committing_.milliseconds(),
+              .waiting = waiting_.milliseconds()};
   return s;
 }
 

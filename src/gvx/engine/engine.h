@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "gvx/core/result.h"
+#include "gvx/core/time_sum.h"
 #include "gvx/engine/preview_pace.h"
 #include "gvx/engine/residency.h"
 #include "gvx/engine/statistics.h"
@@ -108,7 +109,8 @@ class Engine {
   std::optional<render::Frame> moving_frame_;  // what previews show instead
   double moving_bias_ = 0;                     // by how many levels that is coarser
   PreviewPace pace_;
-  bool judged_ = true;  // this view's first frame has ended, or its camera does not move
+  bool shows_something_ = false;  // a first stage of this view was drawn
+  bool judged_ = true;            // this view's first frame has ended, or its camera does not move
   std::optional<render::Film> film_;
   std::vector<std::uint32_t> unfinished_tiles_;
   exec::Buffer<std::uint32_t> tile_list_, tile_flags_;
@@ -131,9 +133,10 @@ class Engine {
   std::unordered_set<produce::Job, produce::JobHash> for_later_;  // prefetched and not yet asked for
   std::chrono::steady_clock::time_point frame_start_;
   std::chrono::nanoseconds overshoot_{0};    // by which frames were late
-  std::chrono::nanoseconds waited_{0};       // for producers, in the frame before
   std::chrono::nanoseconds first_stage_{0};  // that the last preview's took
   Statistics statistics_;
+  TimeSum marching_, committing_, waiting_;
+  std::chrono::nanoseconds waited_before_{0};  // waiting_ when the frame before began
 };
 
 }  // namespace gvx::engine

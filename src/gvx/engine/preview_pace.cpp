@@ -11,7 +11,7 @@ namespace {
 constexpr double kMostOfBudget = 0.5, kFinerBelow = 0.3;
 // Frames between a first stage that took too long and the next try.
 constexpr int kCaution = 30;
-// A view that was drawn in blocks smaller than this shows enough to see finer levels.
+// A frame that ends in a stage of such blocks or larger ones shows too little.
 constexpr std::uint32_t kSmallBlock = 4;
 
 }  // namespace

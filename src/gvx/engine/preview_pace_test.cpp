@@ -43,7 +43,7 @@ TEST(PreviewPace, tries_smaller_blocks_seldom_where_they_take_too_long) {
     pace.first_stage_took(fits ? 0.29 : 1.1, false);
   }
   EXPECT_LE(late, 11);
-  EXPECT_GE(pace.first_block(), 8u);
+  EXPECT_GT(late, 0);
 }
 
 TEST(PreviewPace, wants_coarser_levels_while_frames_do_not_come_to_small_blocks) {

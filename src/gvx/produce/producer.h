@@ -39,6 +39,11 @@ struct TreeDescription {
   std::size_t brick_bytes() const { return gvx::brick_bytes(format, m); }
 };
 
+/// How long threads have been at parts of production, all of them together.
+struct ProductionTimes {
+  double reading_milliseconds = 0, decoding_milliseconds = 0;
+};
+
 /// All calls are thread-safe and are made from several threads at once.
 class Producer {
  public:
@@ -61,6 +66,8 @@ class Producer {
 
   /// Bytes read from files or servers so far.
   virtual std::uint64_t bytes_read() const { return 0; }
+  /// Since it was opened.
+  virtual ProductionTimes times() const { return {}; }
 };
 
 }  // namespace gvx::produce

@@ -114,7 +114,11 @@ void ProductionQueue::work() {
     under_way_.insert(job);
     ++making_;
     lock.unlock();
-    Produced produced = produce::make(*producer_, job);
+    Produced produced;
+    {
+      const TimeSum::Span making(making_time_);
+      produced = produce::make(*producer_, job);
+    }
     lock.lock();
     --making_;
     finished_.push_back(std::move(produced));

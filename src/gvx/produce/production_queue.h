@@ -13,6 +13,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "gvx/core/time_sum.h"
 #include "gvx/produce/producer.h"
 
 namespace gvx::produce {
@@ -70,6 +71,9 @@ class ProductionQueue {
   /// Is nothing waiting, being made, or finished?
   bool idle() const;
 
+  /// How long threads have been making jobs, all of them together.
+  double making_milliseconds() const { return making_time_.milliseconds(); }
+
  private:
   void work();
 
@@ -80,6 +84,7 @@ class ProductionQueue {
   std::unordered_set<Job, JobHash> under_way_;  // being made, or finished and not yet taken
   std::vector<Produced> finished_;
   std::size_t making_ = 0;
+  TimeSum making_time_;
   bool stopping_ = false;
   std::vector<std::thread> threads_;
 };

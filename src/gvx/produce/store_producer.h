@@ -17,6 +17,9 @@ class StoreProducer final : public Producer {
   Status describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const override;
   Status produce(const NodeKey& key, std::span<std::byte> voxels) const override;
   std::uint64_t bytes_read() const override { return reader_->bytes_read(); }
+  ProductionTimes times() const override {
+    return {reader_->reading_milliseconds(), reader_->decoding_milliseconds()};
+  }
 
  private:
   std::unique_ptr<store::StoreReader> reader_;

@@ -48,11 +48,12 @@ struct Pieces {
     const auto next = static_cast<float>(index + 1);
     return next < number ? next / number : 1;
   }
+  /// Is there a piece of this index?
   GVX_HD bool has(int index) const { return static_cast<float>(index) < number; }
 };
 
 // A step is sampled at more places the more it adds to what is seen and the more entries of the function it
-// goes through: one more where it hides all and goes through this many.
+// goes through: one for each time that it goes through this many, where it hides all.
 inline constexpr float kWidePath = 4.0f;
 inline constexpr float kMostCuts = 8.0f;
 // Between two samples, a span that goes through more entries than this is cut into parts: one for each
@@ -61,11 +62,11 @@ inline constexpr float kNarrowPath = 8.0f;
 inline constexpr float kThinDepth = 0.25f;
 inline constexpr float kMostParts = 8.0f;
 
-/// Of a step that adds this much to what is seen, at most 1, and goes through so many entries.
+/// How a step is cut that adds this much to what is seen, at most 1, and goes through so many entries.
 GVX_HD inline Pieces cuts_of(float adds, float longest) {
   return Pieces::asked(adds * longest / kWidePath, kMostCuts);
 }
-/// Of a span between two samples.
+/// How a span between two samples is cut.
 GVX_HD inline Pieces parts_of(float adds, float longest) {
   const float wide = std::fmin(std::fmax(longest / kNarrowPath - 1, 0.0f), 1.0f);
   return Pieces::asked(wide * adds / kThinDepth, kMostParts);

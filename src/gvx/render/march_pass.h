@@ -40,10 +40,10 @@ struct Pass {
 };
 
 /// Marches the exact rays of the listed tiles; sets unfinished[tile] = 1 where a ray of the tile is not
-/// finished. `unfinished` has an entry per tile of the grid. Returns whether all tiles were begun before the
-/// deadline; one that was begun has come further, though not always to its end. Tiles march one after the
-/// other on a CPU (tile_march.h): there one that has something left to do is begun in any case, so that short
-/// frames on slow machines come to an end too.
+/// finished. `unfinished` has an entry per tile of the grid. Returns whether no tile was
+/// left out for the deadline; one that was begun has come further, though not always to its end. Where a CPU
+/// marches tiles (tile_march.h) one that has something left to do is begun however late it is, of a preview
+/// too, so that short frames on slow machines come to an end.
 bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
                  exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
                  exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished);

@@ -198,7 +198,7 @@ class TileMarcher {
     const Levels levels = levels_in(box);
     if (content.kind() == tree::ContentKind::constant) {
       place.kind = Place::constant;
-      // Steps of coarser levels are those of a node above, which has nearer ones too.
+      // Steps of coarser levels than this node's are taken by nodes above, after those in its siblings.
       return go_through(place, box, rect, levels, levels.finest, std::max(levels.coarsest, at.level));
     }
     const bool has_brick = content.kind() == tree::ContentKind::brick;
@@ -595,12 +595,14 @@ struct TilePart {
 class Turns {
  public:
   explicit Turns(exec::Deadline deadline) : deadline_(deadline) {}
+  /// May another begin?
   bool take() {
     const bool first = !some_began_.exchange(true, std::memory_order_relaxed);
     if (first || !exec::late(deadline_)) return true;
     all_taken_.store(false, std::memory_order_relaxed);
     return false;
   }
+  /// Did all that wanted to?
   bool all_taken() const { return all_taken_.load(std::memory_order_relaxed); }
 
  private:
@@ -615,6 +617,7 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
   Turns turns(deadline);
   const TileProjection projection(view.frame, 1);
   exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
+    if (!turns.all_taken()) return;
     const TilePart part(grid, tiles[t]);
     const auto index_of = [&](std::uint32_t x, std::uint32_t y) { return std::size_t(y) * grid.width + x; };
     const auto index_of_ray = [&](std::uint32_t i) {
@@ -665,6 +668,7 @@ bool preview_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, c
   Turns turns(deadline);
   const TileProjection projection(view.frame, double(block));
   exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
+    if (!turns.all_taken()) return;
     const TilePart part(grid, tiles[t]);
     const auto index_of = [&](std::uint32_t x, std::uint32_t y) {
       return std::size_t(y) * block * view.frame.width + std::size_t(x) * block;

@@ -77,6 +77,7 @@ Result<std::unique_ptr<StoreReader>> StoreReader::open(const std::string& path) 
 }
 
 Status StoreReader::read_range(std::uint64_t offset, std::span<std::byte> out) const {
+  const TimeSum::Span reading(reading_);
   GVX_TRY(ranges_->read(offset, out));
   bytes_read_.fetch_add(out.size(), std::memory_order_relaxed);
   return {};
@@ -181,6 +182,7 @@ Result<std::shared_ptr<const IndexPage>> StoreReader::page(std::uint64_t index) 
   }
   std::vector<std::byte> compressed(entry.bytes);
   GVX_TRY(read_range(entry.offset, compressed));
+  const TimeSum::Span decoding(decoding_);
   if (static_cast<std::uint32_t>(checksum(compressed)) != entry.checksum) {
     return Error{path_ + ": corrupt: the checksum of index page " + std::to_string(index) +
                  " does not match"};
@@ -235,6 +237,7 @@ Status StoreReader::read_brick(const NodeKey& key, const NodeRecord& record,
   thread_local std::vector<std::byte> compressed;
   compressed.resize(record.bytes);
   GVX_TRY(read_range(record.offset, compressed));
+  const TimeSum::Span decoding(decoding_);
   if (static_cast<std::uint32_t>(checksum(compressed)) != record.checksum) {
     return Error{path_ + ": corrupt: the checksum of the brick of " + node_name(key) + " does not match"};
   }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "gvx/core/result.h"
+#include "gvx/core/time_sum.h"
 #include "gvx/store/format.h"
 #include "gvx/store/range_reader.h"
 
@@ -38,6 +39,9 @@ class StoreReader {
 
   /// Everything that was read from the file so far.
   std::uint64_t bytes_read() const { return bytes_read_.load(std::memory_order_relaxed); }
+  /// How long that took, and how long checking and decompressing, of all threads together.
+  double reading_milliseconds() const { return reading_.milliseconds(); }
+  double decoding_milliseconds() const { return decoding_.milliseconds(); }
 
  private:
   StoreReader(std::string path, std::unique_ptr<RangeReader> ranges)
@@ -52,6 +56,7 @@ class StoreReader {
   VolumeInfo info_;
   std::vector<PageEntry> directory_;
   mutable std::atomic<std::uint64_t> bytes_read_{0};
+  mutable TimeSum reading_, decoding_;
   mutable std::mutex pages_mutex_;
   mutable std::unordered_map<std::uint64_t, std::shared_ptr<const IndexPage>> pages_;
 };
