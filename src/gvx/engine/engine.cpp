@@ -26,9 +26,6 @@ constexpr int kSpareOfBudget = 20;
 // frames of a view.
 constexpr std::uint32_t kCoarseBlock = 8;
 constexpr int kMostRestarts = 60;
-// A view that was drawn in blocks of this many pixels is at rest: exact rays begin, which cost no more than
-// finer blocks.
-constexpr std::uint32_t kRestBlock = 4;
 // Once this share of what coarse blocks want is there, what comes later is for finer ones and exact rays.
 constexpr double kSettledShare = 0.95;
 // For how much of its budget a frame draws coarse blocks again, for the data that came.
@@ -327,8 +324,8 @@ bool Engine::preview_chunk(exec::Deadline deadline) {
 }
 
 /// Draws the coarse stages, and draws them again while much data comes in: early in a frame better data shows
-/// more than finer pixels do. The first stage is the small unit of work that is done in any case: a frame
-/// always shows something.
+/// more than finer pixels do. A view's first stage is the small unit of work that is done in any case: a
+/// frame always shows something.
 Status Engine::coarse_preview(std::chrono::nanoseconds budget, exec::Deadline deadline) {
   const exec::Deadline settled = frame_start_ + share_of(budget, kSettlingShare);
   while (!preview_.complete() && (preview_.block == preview_.first || preview_.block >= kCoarseBlock)) {
@@ -390,7 +387,7 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   rays_marched_ = !unfinished_tiles_.empty();
   do {
     preview_pass(preview_at_rest_ ? refresh_deadline : deadline);  // render
-    if (preview_.block < kRestBlock) preview_at_rest_ = true;
+    if (preview_.block < PreviewPace::kRestBlock) preview_at_rest_ = true;
     if (preview_at_rest_) {
       moving_frame_.reset();
       exact_pass(deadline);

@@ -71,7 +71,7 @@ class Engine {
   /// How far a preview has come: its stage and the first tile of it that is not drawn.
   struct PreviewProgress {
     std::uint32_t generation = 0;
-    std::uint32_t first = 0;  ///< the block of the stage that is drawn in any case
+    std::uint32_t first = 0;  ///< the block of its first stage; 0: a refresh, which has none
     std::uint32_t block = 0;  ///< 0: complete
     std::uint32_t tile = 0;
 

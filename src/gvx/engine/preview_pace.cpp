@@ -11,8 +11,6 @@ namespace {
 constexpr double kMostOfBudget = 0.5, kFinerBelow = 0.3;
 // Frames between a first stage that took too long and the next try.
 constexpr int kCaution = 30;
-// A frame that ends in a stage of such blocks or larger ones shows too little.
-constexpr std::uint32_t kSmallBlock = 4;
 
 }  // namespace
 
@@ -29,7 +27,7 @@ void PreviewPace::first_stage_took(double share, bool lacked_much) {
 
 void PreviewPace::frame_ended(std::uint32_t block, bool adapts_levels) {
   if (!adapts_levels) return;
-  if (block >= kSmallBlock) level_bias_ = std::min(level_bias_ + kLevelBiasStep, kMostLevelBias);
+  if (block >= kRestBlock) level_bias_ = std::min(level_bias_ + kLevelBiasStep, kMostLevelBias);
   if (block == 0) level_bias_ = std::max(level_bias_ - kLevelBiasStep, 0.0);
 }
 

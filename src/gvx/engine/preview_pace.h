@@ -22,6 +22,9 @@ class PreviewPace {
   /// A view's first frame ended in a stage of this block; 0: it drew all.
   void frame_ended(std::uint32_t block, bool adapts_levels);
 
+  /// A view that was drawn in blocks of this many pixels is at rest: exact rays begin, which cost no more
+  /// than finer blocks. Frames that do not come so far want coarser levels.
+  static constexpr std::uint32_t kRestBlock = 4;
   static constexpr double kMostLevelBias = 1, kLevelBiasStep = 0.25;
 
  private:
