@@ -1,7 +1,7 @@
 #include "gvx/render/tile_march.h"
 
 #include "gvx/core/affine.h"
-#include "gvx/render/tile_marcher.h"
+#include "gvx/render/tile_passes.h"
 
 namespace gvx::render {
 

@@ -1,6 +1,6 @@
 // The march of tiles of volumes of std::uint8_t.
 
-#include "gvx/render/tile_marcher.h"
+#include "gvx/render/tile_passes.h"
 
 namespace gvx::render {
 

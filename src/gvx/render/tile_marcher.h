@@ -1,15 +1,13 @@
 /// \file
-/// TileMarcher: the march of tile_march.h, as a template over the voxel type; each tile_march_*.cpp
-/// instantiates one type. Private to this room.
+/// TileMarcher: the rays of one tile, as a template over the voxel type. Private to this room.
 #pragma once
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cstring>
 
 #include "gvx/core/result.h"
-#include "gvx/exec/parallel.h"
+#include "gvx/exec/tile_grid.h"
 #include "gvx/render/gather.h"
 #include "gvx/render/march.h"
 #include "gvx/render/march_view.h"
@@ -570,165 +568,5 @@ class TileMarcher {
   int batches_ = 0;
   exec::Deadline deadline_;
 };
-
-/// The part of a tile that is in the picture.
-struct TilePart {
-  std::uint32_t x0, y0, width, height;
-
-  TilePart(exec::TileGrid grid, std::uint32_t tile)
-      : x0(tile % grid.tiles_x() * grid.tile),
-        y0(tile / grid.tiles_x() * grid.tile),
-        width(std::min(grid.tile, grid.width - x0)),
-        height(std::min(grid.tile, grid.height - y0)) {}
-
-  /// Calls function(i, x, y) for each of its rays; i is the ray's place among those of the tile.
-  template <typename Function>
-  void for_rays(Function function) const {
-    for (std::uint32_t j = 0; j < height; ++j) {
-      for (std::uint32_t i = 0; i < width; ++i) function(j * TileRays::kEdge + i, x0 + i, y0 + j);
-    }
-  }
-};
-
-/// Which tiles that have something to do begin: those before the deadline, and one in any case. However slow
-/// the machine and short the frame, the next one finds more done.
-class Turns {
- public:
-  explicit Turns(exec::Deadline deadline) : deadline_(deadline) {}
-  /// May another begin?
-  bool take() {
-    const bool first = !some_began_.exchange(true, std::memory_order_relaxed);
-    if (first || !exec::late(deadline_)) return true;
-    all_taken_.store(false, std::memory_order_relaxed);
-    return false;
-  }
-  /// Did all that wanted to?
-  bool all_taken() const { return all_taken_.load(std::memory_order_relaxed); }
-
- private:
-  exec::Deadline deadline_;
-  std::atomic<bool> some_began_{false}, all_taken_{true};
-};
-
-template <typename Voxel, int N, int M>
-bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, const Pass& pass,
-                 exec::TileGrid grid, exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                 exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
-  Turns turns(deadline);
-  const TileProjection projection(view.frame, 1);
-  exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
-    if (!turns.all_taken()) return;
-    const TilePart part(grid, tiles[t]);
-    const auto index_of = [&](std::uint32_t x, std::uint32_t y) { return std::size_t(y) * grid.width + x; };
-    const auto index_of_ray = [&](std::uint32_t i) {
-      return index_of(part.x0 + i % TileRays::kEdge, part.y0 + i / TileRays::kEdge);
-    };
-    ActiveRays marching, resuming;
-    bool all_finished = true;
-    part.for_rays([&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
-      const RayState& ray = rays[index_of(x, y)];
-      const bool begun = ray.epoch == pass.epoch;
-      if (begun && ray.phase == RayPhase::finished) return;
-      all_finished = false;
-      if (pass.lone_ray != Pass::kAllRays && pass.lone_ray != index_of(x, y)) return;
-      marching.set(i);
-      if (begun) resuming.set(i);
-    });
-    // A tile that is finished must cost next to nothing, or short frames end in it.
-    if (all_finished) return;
-    exec::store_relaxed(&unfinished[tiles[t]], 1);
-    if (marching.count() == 0 || !turns.take()) return;
-    TileMarcher<Voxel, N, M> marcher(view, projection, part.x0, part.y0, 1, grid.tile, false);
-    marcher.leave_out_all_but(marching);
-    resuming.for_each([&](std::uint32_t i) { marcher.resume(i, rays[index_of_ray(i)]); });
-    marcher.march(deadline);
-    bool finished = marching.count() == part.width * part.height;
-    marching.for_each([&](std::uint32_t i) {
-      RayState& ray = rays[index_of_ray(i)];
-      if (marcher.is_stub(i)) {
-        if (ray.epoch != pass.epoch) ray = RayState{};
-        const std::uint32_t x = part.x0 + i % TileRays::kEdge, y = part.y0 + i / TileRays::kEdge;
-        RayMarcher<Voxel, N, M>(view, x, y).march_exact(ray);
-      } else {
-        marcher.put_state(i, ray);
-      }
-      ray.epoch = pass.epoch;
-      finished = finished && ray.phase == RayPhase::finished;
-    });
-    if (finished) exec::store_relaxed(&unfinished[tiles[t]], 0);
-  });
-  return turns.all_taken();
-}
-
-template <typename Voxel, int N, int M>
-bool preview_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, const Pass& pass,
-                   exec::TileGrid grid, exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                   std::uint32_t block, std::uint32_t generation, exec::BufferView<const RayState> rays,
-                   exec::BufferView<PreviewPixel> pixels) {
-  Turns turns(deadline);
-  const TileProjection projection(view.frame, double(block));
-  exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
-    if (!turns.all_taken()) return;
-    const TilePart part(grid, tiles[t]);
-    const auto index_of = [&](std::uint32_t x, std::uint32_t y) {
-      return std::size_t(y) * block * view.frame.width + std::size_t(x) * block;
-    };
-    const auto is_drawn = [&](std::size_t pixel) {
-      return (rays[pixel].epoch == pass.epoch && rays[pixel].phase == RayPhase::finished) ||
-             (pixels[pixel].epoch == pass.epoch && pixels[pixel].generation == generation);
-    };
-    ActiveRays missing;
-    part.for_rays([&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
-      if (!is_drawn(index_of(x, y))) missing.set(i);
-    });
-    if (missing.count() == 0 || !turns.take()) return;
-    TileMarcher<Voxel, N, M> marcher(view, projection, double(part.x0) * block, double(part.y0) * block,
-                                     double(block), grid.tile, true);
-    marcher.leave_out_all_but(missing);
-    // A preview's ray cannot stop half way.
-    marcher.march(exec::no_deadline());
-    missing.for_each([&](std::uint32_t i) {
-      const std::uint32_t x = part.x0 + i % TileRays::kEdge, y = part.y0 + i / TileRays::kEdge;
-      PreviewPixel& pixel = pixels[index_of(x, y)];
-      if (marcher.is_stub(i)) {
-        pixel = RayMarcher<Voxel, N, M>(view, double(x) * block, double(y) * block).march_preview();
-      } else {
-        pixel = marcher.pixel(i);
-      }
-      pixel.epoch = pass.epoch;
-      pixel.generation = generation;
-    });
-  });
-  return turns.all_taken();
-}
-
-/// march_tiles for the pass's N and M.
-template <typename Voxel>
-bool march_tiles_of(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
-                    exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                    exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
-  return with_view<Voxel>(pass, [&](const auto& view) {
-    return march_tiles(cpu, view, pass, grid, tiles, deadline, rays, unfinished);
-  });
-}
-
-template <typename Voxel>
-bool preview_tiles_of(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
-                      exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                      std::uint32_t block, std::uint32_t generation, exec::BufferView<const RayState> rays,
-                      exec::BufferView<PreviewPixel> pixels) {
-  return with_view<Voxel>(pass, [&](const auto& view) {
-    return preview_tiles(cpu, view, pass, grid, tiles, deadline, block, generation, rays, pixels);
-  });
-}
-
-#define GVX_INSTANTIATE_TILE_MARCH(PREFIX, VOXEL)                                                          \
-  PREFIX template bool march_tiles_of<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,             \
-                                             exec::BufferView<const std::uint32_t>, exec::Deadline,        \
-                                             exec::BufferView<RayState>, exec::BufferView<std::uint32_t>); \
-  PREFIX template bool preview_tiles_of<VOXEL>(                                                            \
-      const exec::Device&, const Pass&, exec::TileGrid, exec::BufferView<const std::uint32_t>,             \
-      exec::Deadline, std::uint32_t, std::uint32_t, exec::BufferView<const RayState>,                      \
-      exec::BufferView<PreviewPixel>);
 
 }  // namespace gvx::render
