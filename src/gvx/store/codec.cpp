@@ -56,21 +56,24 @@ void compress(Codec codec, BlockLayout layout, std::span<const std::byte> raw,
     split_planes(layout, raw, planes.data());
     raw = planes;
   }
+  // Room for the worst case is the thread's; what is handed out has its own size.
+  thread_local std::vector<std::byte> room;
+  std::size_t bytes = 0;
   if (codec == Codec::zstd) {
-    compressed.resize(ZSTD_compressBound(raw.size()));
-    const std::size_t bytes = ZSTD_compressCCtx(compression_context(), compressed.data(), compressed.size(),
-                                                raw.data(), raw.size(), kZstdLevel);
+    room.resize(std::max(room.size(), ZSTD_compressBound(raw.size())));
+    bytes = ZSTD_compressCCtx(compression_context(), room.data(), room.size(), raw.data(), raw.size(),
+                              kZstdLevel);
     GVX_CHECK(!ZSTD_isError(bytes));
-    compressed.resize(bytes);
   } else {
     const int size = static_cast<int>(raw.size());
-    compressed.resize(static_cast<std::size_t>(LZ4_compressBound(size)));
-    const int bytes = LZ4_compress_default(reinterpret_cast<const char*>(raw.data()),
-                                           reinterpret_cast<char*>(compressed.data()), size,
-                                           static_cast<int>(compressed.size()));
-    GVX_CHECK(bytes > 0);
-    compressed.resize(static_cast<std::size_t>(bytes));
+    room.resize(std::max(room.size(), static_cast<std::size_t>(LZ4_compressBound(size))));
+    const int written =
+        LZ4_compress_default(reinterpret_cast<const char*>(raw.data()), reinterpret_cast<char*>(room.data()),
+                             size, static_cast<int>(room.size()));
+    GVX_CHECK(written > 0);
+    bytes = static_cast<std::size_t>(written);
   }
+  compressed.assign(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(bytes));
 }
 
 Status decompress(Codec codec, BlockLayout layout, std::span<const std::byte> compressed,

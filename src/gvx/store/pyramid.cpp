@@ -163,8 +163,7 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
   /// The newest up to n slices of `from` make the next slice of `to`.
   void downsample_into(Level& to, Level& from) {
     const std::int64_t z0 = (from.slices - 1) / n * n;
-    const bool in_eights =
-        format.content == VoxelContent::scalar && from.variances.empty() && n == 2 && from.slices - z0 == 2;
+    const bool in_eights = format.content == VoxelContent::scalar && n == 2 && from.slices - z0 == 2;
     parallel(to.dimensions.y, [&](std::int64_t y) {
       std::int64_t begin = 0;
       if (in_eights && 2 * y + 1 < from.dimensions.y) {

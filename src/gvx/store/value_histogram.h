@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "gvx/core/voxel.h"
@@ -17,13 +18,26 @@ class ValueHistogram {
  public:
   void add(const Voxel* voxels, std::int64_t count) {
     // Two tables in turn: equal neighbours would otherwise wait for each other's increment.
+    std::uint32_t* const odd = odd_.data();
+    std::uint32_t* const even = even_.data();
     std::fill(odd_.begin(), odd_.end(), 0u);
     std::fill(even_.begin(), even_.end(), 0u);
-    for (std::int64_t i = 0; i + 1 < count; i += 2) {
-      ++even_[fine_bin(voxels[i])];
-      ++odd_[fine_bin(voxels[i + 1])];
+    std::int64_t i = 0;
+    if constexpr (sizeof(Voxel) == 1) {
+      for (; i + 8 <= count; i += 8) {
+        std::uint64_t eight;
+        std::memcpy(&eight, voxels + i, sizeof(eight));
+        for (int k = 0; k < 8; k += 2) {
+          ++even[eight >> (8 * k) & 255];
+          ++odd[eight >> (8 * k + 8) & 255];
+        }
+      }
     }
-    if (count % 2 != 0) ++even_[fine_bin(voxels[count - 1])];
+    for (; i + 1 < count; i += 2) {
+      ++even[fine_bin(voxels[i])];
+      ++odd[fine_bin(voxels[i + 1])];
+    }
+    if (count % 2 != 0) ++even[fine_bin(voxels[count - 1])];
     for (std::size_t i = 0; i < fine_.size(); ++i) fine_[i] += even_[i] + odd_[i];
   }
 
