@@ -1,42 +1,80 @@
 #include "gvx/produce/field_producer.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <limits>
+#include <utility>
+#include <vector>
 
 namespace gvx::produce {
+namespace {
 
-FieldProducer::FieldProducer(TreeDescription description, Values values, Bounds bounds)
-    : description_(std::move(description)), values_(std::move(values)), bounds_(std::move(bounds)) {
-  description_.format = {VoxelType::f32, VoxelContent::scalar, 1};
-  description_.ranges = bounds_(bordered_box(NodeKey{}));
+/// What a value is stored as.
+template <typename Voxel>
+Voxel stored(float value, const TreeDescription& tree) {
+  if constexpr (std::is_same_v<Voxel, float>) {
+    return static_cast<float>((value - tree.offset) / tree.scale);
+  } else {
+    const double v = std::floor((value - tree.offset) / tree.scale + 0.5);
+    // What is no number is the least.
+    return static_cast<Voxel>(std::fmin(std::fmax(v, 0.0), double(std::numeric_limits<Voxel>::max())));
+  }
 }
 
-Box3d FieldProducer::bordered_box(const NodeKey& key) const {
-  const double across = nodes_across(static_cast<int>(description_.n), key.level),
-               border = static_cast<double>(description_.n) / (across * description_.m);
+TreeDescription as_floats(TreeDescription description) {
+  description.format = {VoxelType::f32, VoxelContent::scalar, 1};
+  return description;
+}
+
+}  // namespace
+
+FieldProducer::FieldProducer(TreeDescription description, std::shared_ptr<const Field> field)
+    : description_(std::move(description)), field_(std::move(field)) {
+  GVX_CHECK(description_.format.content == VoxelContent::scalar && description_.format.planes == 1 &&
+            description_.scale > 0);
+  description_.ranges = stored_bounds(NodeKey{});
+}
+
+FieldProducer::FieldProducer(TreeDescription description, FunctionField::Values values,
+                             FunctionField::Bounds bounds)
+    : FieldProducer(as_floats(std::move(description)),
+                    std::make_shared<FunctionField>(std::move(values), std::move(bounds))) {}
+
+/// Of a node with a rim of n voxels; its coarsest voxels are those of the level above, which is blended in.
+ValueRange FieldProducer::stored_bounds(const NodeKey& key) const {
+  const double n = description_.n, across = nodes_across(static_cast<int>(description_.n), key.level),
+               rim = n / (across * description_.m);
   const Vec3d low = Vec3d(key.x, key.y, key.z) / across;
-  return {low - Vec3d(border), low + Vec3d(1 / across + border)};
+  const ValueRange range = field_->bounds({low - Vec3d(rim), low + Vec3d(1 / across + rim)}, rim);
+  return with_voxel_type(description_.format.type, [&](auto zero) {
+    using Voxel = decltype(zero);
+    // To store never changes the order of two values.
+    return ValueRange{static_cast<float>(stored<Voxel>(range.minimum, description_)),
+                      static_cast<float>(stored<Voxel>(range.maximum, description_))};
+  });
 }
 
 Status FieldProducer::describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const {
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    infos[i] = {bounds_(bordered_box(keys[i])), keys[i].level == description_.max_level};
+    infos[i] = {stored_bounds(keys[i]), keys[i].level == description_.max_level};
   }
   return {};
 }
 
 Status FieldProducer::produce(const NodeKey& key, std::span<std::byte> voxels) const {
-  const int m = static_cast<int>(description_.m);
-  const double voxel = 1.0 / (nodes_across(static_cast<int>(description_.n), key.level) * m);
-  const Vec3d low = Vec3d(key.x, key.y, key.z) * (voxel * m);
-  std::size_t offset = 0;
-  for (int z = -1; z <= m; ++z) {
-    for (int y = -1; y <= m; ++y) {
-      for (int x = -1; x <= m; ++x, offset += sizeof(float)) {
-        const float value = values_(low + voxel * Vec3d(x + 0.5, y + 0.5, z + 0.5));
-        std::memcpy(&voxels[offset], &value, sizeof(float));
-      }
-    }
-  }
+  const double m = description_.m,
+               voxel = 1 / (nodes_across(static_cast<int>(description_.n), key.level) * m);
+  const VoxelBlock block{voxel * (m * Vec3d(key.x, key.y, key.z) - Vec3d(0.5)), voxel, description_.m + 2};
+  thread_local std::vector<float> values;
+  values.resize(block.voxels());
+  field_->sample(block, values);
+  with_voxel_type(description_.format.type, [&](auto zero) {
+    using Voxel = decltype(zero);
+    auto* out = reinterpret_cast<Voxel*>(voxels.data());
+    std::transform(values.begin(), values.end(), out,
+                   [&](float value) { return stored<Voxel>(value, description_); });
+  });
   return {};
 }
 
