@@ -10,9 +10,9 @@
 
 #include <unistd.h>
 
+#include "built_in_scenes.h"
 #include "gvx/io/store_build.h"
 #include "gvx/io/volume_reader.h"
-#include "gvx/produce/sponge_producer.h"
 #include "gvx/produce/store_producer.h"
 #include "gvx/store/store_reader.h"
 #include "progress.h"
@@ -88,7 +88,8 @@ scene::ValueStatistics value_statistics(const produce::TreeDescription& tree, st
 }
 
 Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw) {
-  if (name == "sponge") return Scene{std::make_shared<produce::SpongeProducer>(), "solid"};
+  GVX_ASSIGN(std::optional<Scene> built_in, open_built_in_scene(name));
+  if (built_in) return std::move(*built_in);
   GVX_ASSIGN(const bool store, is_store(name));
   std::unique_ptr<store::StoreReader> reader;
   if (store) {

@@ -31,8 +31,7 @@ GVX_HD inline std::uint32_t gradient_at(std::int64_t x, std::int64_t y, std::int
                     static_cast<std::uint64_t>(z) * 0x165667b19e3779f9ull + seed * 0x27d4eb2f165667c5ull;
   h ^= h >> 32;
   h *= 0xd6e8feb86659fd93ull;
-  h ^= h >> 32;
-  return static_cast<std::uint32_t>(h) & 15;
+  return static_cast<std::uint32_t>(h >> 60);
 }
 
 /// The product of gradient `g`, a middle of one of the cube's edges, and a vector. T: a number or an
@@ -94,6 +93,46 @@ GVX_HD inline double perlin(Vec3d p, std::uint32_t seed) {
                         static_cast<std::int64_t>(fz), p.x - fx, p.y - fy, p.z - fz, seed);
 }
 
+/// Adds scale * perlin(first + i * step along x) to sums[i], for `count` places. What a cell's places share
+/// is found once for all of them.
+GVX_HD inline void add_perlin_row(Vec3d first, double step, std::uint32_t count, std::uint32_t seed,
+                                  double scale, double* sums) {
+  const double fy = std::floor(first.y), fz = std::floor(first.z);
+  const double y = first.y - fy, z = first.z - fz, v = noise::fade(y), w = noise::fade(z);
+  const auto iy = static_cast<std::int64_t>(fy), iz = static_cast<std::int64_t>(fz);
+  // At x in its cell a face's noise is at + slope * x, once y and z are mixed.
+  struct Face {
+    double at = 0, slope = 0;
+  };
+  const auto face_of = [&](std::int64_t ix) {
+    Face face;
+    for (int corner = 0; corner < 4; ++corner) {
+      const int cy = corner & 1, cz = corner >> 1;
+      const double weight = (cy ? v : 1 - v) * (cz ? w : 1 - w);
+      const std::uint32_t g = noise::gradient_at(ix, iy + cy, iz + cz, seed);
+      face.at += weight * noise::gradient_product(g, 0.0, y - cy, z - cz);
+      face.slope += weight * noise::gradient_product(g, 1.0, 0.0, 0.0);
+    }
+    return face;
+  };
+  double cell = std::floor(first.x);
+  auto ix = static_cast<std::int64_t>(cell);
+  Face left = face_of(ix), right = face_of(ix + 1);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double p = first.x + i * step;
+    double x = p - cell;
+    if (!(x < 1)) {
+      const bool next = x < 2;
+      cell = std::floor(p);
+      ix = static_cast<std::int64_t>(cell);
+      left = next ? right : face_of(ix);
+      right = face_of(ix + 1);
+      x = p - cell;
+    }
+    sums[i] += scale * noise::mix(left.at + left.slope * x, right.at + right.slope * (x - 1), noise::fade(x));
+  }
+}
+
 /// No value is greater: each is a mean of products that add two of three distances, and the mean distance
 /// along an axis is a half at most.
 inline constexpr double kPerlinMost = 1.5;
@@ -146,6 +185,30 @@ struct FractalNoise {
       amplitude *= gain;
       wave /= lacunarity;
     }
+    return sum;
+  }
+
+  /// The sums at first + i * step along x, for `count` places; settled(sums, rest) says that whatever the
+  /// rest of the octaves adds, within `rest` of 0, makes no difference any more.
+  template <typename Settled>
+  void row(Vec3d first, double step, std::uint32_t count, double footprint, double* sums,
+           Settled settled) const {
+    for (std::uint32_t i = 0; i < count; ++i) sums[i] = 0;
+    double amplitude = 1, wave = wavelength, rest = most();
+    for (std::uint32_t i = 0; i < octaves; ++i) {
+      const double share = resolved(wave, footprint);
+      if (share <= 0 || settled(sums, rest)) break;
+      add_perlin_row(first / wave, step / wave, count, seed + i, share * amplitude, sums);
+      rest -= amplitude * kPerlinMost;
+      amplitude *= gain;
+      wave /= lacunarity;
+    }
+  }
+
+  /// No sum is farther from 0.
+  GVX_HD double most() const {
+    double sum = 0, amplitude = kPerlinMost;
+    for (std::uint32_t i = 0; i < octaves; ++i, amplitude *= gain) sum += amplitude;
     return sum;
   }
 

@@ -74,6 +74,28 @@ TEST(Noise, octave_bounds_hold_at_every_footprint_up_to_the_coarsest) {
   }
 }
 
+TEST(Noise, rows_are_what_their_places_are) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> share(-1, 1);
+  const FractalNoise fractal{.octaves = 7, .wavelength = 0.3, .seed = 7};
+  for (int i = 0; i < 500; ++i) {
+    const Vec3d first(share(random), share(random), share(random));
+    const double step = std::exp2(6 * share(random) - 7), footprint = std::exp2(4 * share(random) - 8);
+    double sums[20];
+    fractal.row(first, step, 20, footprint, sums, [](const double*, double) { return false; });
+    for (int k = 0; k < 20; ++k) {
+      ASSERT_NEAR(sums[k], fractal(first + Vec3d(k * step, 0, 0), footprint), 1e-11);
+    }
+    // A row that is settled after some octaves is within the rest of what it would have been.
+    double settled[20], rest = INFINITY;
+    fractal.row(first, step, 20, footprint, settled, [&](const double*, double left) {
+      rest = left;
+      return left < 0.5;
+    });
+    for (int k = 0; k < 20; ++k) ASSERT_LE(std::fabs(settled[k] - sums[k]), std::max(rest, 0.0) + 1e-11);
+  }
+}
+
 TEST(Noise, a_coarse_footprint_leaves_out_what_it_cannot_resolve) {
   const FractalNoise all{.octaves = 20, .wavelength = 0.5}, three{.octaves = 3, .wavelength = 0.5};
   const Vec3d p(0.31, 0.57, 0.83);

@@ -38,6 +38,17 @@ class Field {
   virtual ValueRange bounds(const Box3d& box, double coarsest_spacing) const = 0;
 };
 
+/// Calls function(centre of the first voxel, row of values) for each row of a block along x.
+template <typename Function>
+void for_each_row(const VoxelBlock& block, std::span<float> values, Function function) {
+  std::size_t i = 0;
+  for (std::uint32_t z = 0; z < block.edge; ++z) {
+    for (std::uint32_t y = 0; y < block.edge; ++y, i += block.edge) {
+      function(block.centre(0, y, z), values.subspan(i, block.edge));
+    }
+  }
+}
+
 /// Calls values[i] = function(centre) for all voxels of a block.
 template <typename Function>
 void sample_each(const VoxelBlock& block, std::span<float> values, Function function) {

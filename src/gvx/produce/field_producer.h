@@ -11,9 +11,9 @@ namespace gvx::produce {
 
 class FieldProducer final : public Producer {
  public:
-  /// `description` gives n, m, max_level, placement, the voxels' type, and scale and offset: stored values are
-  /// (value - offset) / scale, rounded and held to what the type holds. Its ranges become those of the whole
-  /// cube.
+  /// `description` gives n, m, max_level, placement, the voxels' type, and scale and offset: stored values
+  /// are (value - offset) / scale, rounded and held to what the type holds. Its ranges become those of the
+  /// whole cube.
   FieldProducer(TreeDescription description, std::shared_ptr<const Field> field);
 
   /// f32 voxels of values(p), p in tree space; `bounds(box)` must hold every value in the box.

@@ -7,8 +7,10 @@
 #include <gtest/gtest.h>
 
 #include "gvx/produce/field_producer.h"
+#include "gvx/produce/hypertexture.h"
 #include "gvx/produce/sponge_producer.h"
 #include "gvx/produce/store_producer.h"
+#include "gvx/produce/terrain.h"
 #include "gvx/store/store_test_support.h"
 
 namespace gvx::produce {
@@ -37,6 +39,22 @@ std::shared_ptr<const Producer> make_field_producer() {
       });
 }
 
+/// A density of 8 bits, 0 to 1.
+std::shared_ptr<const Producer> make_density(std::shared_ptr<const Field> field, std::uint32_t m) {
+  TreeDescription tree;
+  tree.m = m;
+  tree.max_level = 6;
+  tree.scale = 1.0 / 255;
+  return std::make_shared<FieldProducer>(tree, std::move(field));
+}
+
+std::shared_ptr<const Producer> make_hypertexture(HypertextureKind kind) {
+  HypertextureOptions options;
+  options.kind = kind;
+  return make_density(
+      std::make_shared<HypertextureField>(std::make_shared<BallsField>(cumulus_balls(3)), options), 16);
+}
+
 struct Case {
   const char* name;
   std::shared_ptr<const Producer> (*make)();
@@ -45,6 +63,13 @@ class EveryProducer : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(
     , EveryProducer,
     testing::Values(Case{"store", make_store_producer}, Case{"field", make_field_producer},
+                    Case{"terrain",
+                         [] { return make_density(std::make_shared<TerrainField>(TerrainOptions{}), 8); }},
+                    Case{"hypertexture", [] { return make_hypertexture(HypertextureKind::hypertexture); }},
+                    Case{"pseudo_mesh", [] { return make_hypertexture(HypertextureKind::pseudo_mesh); }},
+                    Case{"ramp", [] { return make_hypertexture(HypertextureKind::ramp); }},
+                    Case{"blurred", [] { return make_hypertexture(HypertextureKind::blurred); }},
+                    Case{"solid_noise", [] { return make_hypertexture(HypertextureKind::solid_noise); }},
                     Case{"sponge", [] { return std::shared_ptr<const Producer>(new SpongeProducer(8)); }}),
     [](const auto& tested) { return tested.param.name; });
 

@@ -1,0 +1,152 @@
+#include "gvx/produce/hypertexture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "gvx/produce/coverage.h"
+
+namespace gvx::produce {
+namespace {
+
+/// What a coverage of 0 to 1 shows as; grows with it.
+double shaped(HypertextureKind kind, double c) {
+  switch (kind) {
+    case HypertextureKind::hypertexture:
+      return c * c * (3 - 2 * c);
+    case HypertextureKind::blurred:
+      return c * c * c;
+    default:
+      return c;
+  }
+}
+
+/// The share of what is inside that noise leaves.
+double solid_share(double noise) {
+  return std::clamp(0.55 + 0.9 * noise, 0.15, 1.0);
+}
+
+}  // namespace
+
+HypertextureField::HypertextureField(std::shared_ptr<const Field> distance,
+                                     const HypertextureOptions& options)
+    : distance_(std::move(distance)), options_(options) {}
+
+/// A surface has no shell.
+double HypertextureField::thickness() const {
+  const bool surface =
+      options_.kind == HypertextureKind::pseudo_mesh || options_.kind == HypertextureKind::solid_noise;
+  return surface ? 0 : options_.thickness;
+}
+
+/// By how much noise moves the surface.
+double HypertextureField::strength() const {
+  return options_.kind == HypertextureKind::hypertexture ? options_.strength * options_.thickness : 0;
+}
+
+double HypertextureField::reach(const HypertextureOptions& options, double spacing) {
+  return coverage_width(options.thickness, spacing) +
+         options.strength * options.thickness * options.noise.most();
+}
+
+void HypertextureField::sample(const VoxelBlock& block, std::span<float> values) const {
+  distance_->sample(block, values);
+  const double width = coverage_width(thickness(), block.spacing), strength = this->strength();
+  const bool solid = options_.kind == HypertextureKind::solid_noise;
+  thread_local std::vector<double> noise;
+  noise.resize(block.edge);
+  for_each_row(block, values, [&](Vec3d first, std::span<float> row) {
+    const auto add_noise = [&](auto settled) {
+      options_.noise.row(first, block.spacing, block.edge, block.spacing, noise.data(),
+                         [&](const double* so_far, double rest) {
+                           for (std::size_t i = 0; i < row.size(); ++i) {
+                             if (!settled(double(row[i]), so_far[i], rest)) return false;
+                           }
+                           return true;
+                         });
+    };
+    if (strength > 0) {
+      add_noise([&](double d, double sum, double rest) {
+        return coverage_settled(d + strength * sum, strength * rest, width);
+      });
+    } else if (solid) {
+      add_noise([&](double d, double, double) { return coverage(d, width) == 0; });
+    }
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const double t = strength > 0 ? row[i] + strength * noise[i] : double(row[i]);
+      double value = shaped(options_.kind, coverage(t, width));
+      if (solid) value *= solid_share(noise[i]);
+      row[i] = static_cast<float>(value);
+    }
+  });
+}
+
+ValueRange HypertextureField::bounds(const Box3d& box, double coarsest_spacing) const {
+  const ValueRange d = distance_->bounds(box, coarsest_spacing);
+  const double strength = this->strength(), shift = strength * options_.noise.most();
+  const double most_width = coverage_width(thickness(), coarsest_spacing);
+  const bool far = d.minimum > 0.5 * most_width + shift || d.maximum < -0.5 * most_width - shift;
+  noise::Interval t{d.minimum, d.maximum};
+  if (strength > 0 && !far) {
+    const noise::Interval n = options_.noise.bounds(box, coarsest_spacing);
+    // Where sample() leaves the noise out it makes no difference.
+    t = {t.low + std::min(strength * n.low, 0.0), t.high + std::max(strength * n.high, 0.0)};
+  }
+  const noise::Interval c = coverage_bounds(t, thickness(), most_width);
+  ValueRange range{static_cast<float>(shaped(options_.kind, c.low)),
+                   static_cast<float>(shaped(options_.kind, c.high))};
+  if (options_.kind == HypertextureKind::solid_noise && range.maximum > 0) {
+    const noise::Interval n = options_.noise.bounds(box, coarsest_spacing);
+    range = {static_cast<float>(shaped(options_.kind, c.low) * solid_share(n.low)),
+             static_cast<float>(shaped(options_.kind, c.high) * solid_share(n.high))};
+  }
+  return range;
+}
+
+double BallsField::distance(Vec3d p) const {
+  double least = INFINITY;
+  for (const Ball& ball : balls_) least = std::min(least, length(p - ball.centre) - ball.radius);
+  return least;
+}
+
+void BallsField::sample(const VoxelBlock& block, std::span<float> values) const {
+  // Only balls that are the nearest somewhere in the block.
+  const double half = 0.5 * block.spacing * (block.edge - 1), radius = std::sqrt(3.0) * half + 1e-9;
+  const Vec3d middle = block.first + Vec3d(half);
+  const double least = distance(middle);
+  BallsField near({});
+  for (const Ball& ball : balls_) {
+    if (length(middle - ball.centre) - ball.radius <= least + 2 * radius) near.balls_.push_back(ball);
+  }
+  sample_each(block, values, [&](Vec3d p) { return static_cast<float>(near.distance(p)); });
+}
+
+ValueRange BallsField::bounds(const Box3d& box, double) const {
+  const double at = distance(0.5 * (box.minimum + box.maximum));
+  const double radius = 0.5 * length(box.maximum - box.minimum) + 1e-6;
+  return {static_cast<float>(at - radius), static_cast<float>(at + radius)};
+}
+
+std::vector<BallsField::Ball> cumulus_balls(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  const auto between = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random() >> 8) / static_cast<double>(1u << 24);
+  };
+  std::vector<BallsField::Ball> balls;
+  // Three storeys, each of fewer and smaller balls, nearer to the middle.
+  constexpr int kBalls[] = {13, 9, 5};
+  for (int storey = 0; storey < 3; ++storey) {
+    for (int i = 0; i < kBalls[storey]; ++i) {
+      const double turn = 2 * M_PI * (i + between(0, 0.8)) / kBalls[storey];
+      const double away = between(0.25, 1) * (0.27 - 0.075 * storey);
+      const double radius = between(0.085, 0.13) - 0.008 * storey;
+      balls.push_back({{0.5 + away * std::cos(turn), 0.5 + 0.8 * away * std::sin(turn),
+                        0.30 + 0.13 * storey + between(-0.02, 0.03)},
+                       radius});
+    }
+  }
+  return balls;
+}
+
+}  // namespace gvx::produce

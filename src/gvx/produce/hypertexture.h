@@ -1,0 +1,74 @@
+/// \file
+/// Hypertexture: a density in the shell around a surface that a field of distances gives, with noise in it
+/// (Perlin and Hoffert, SIGGRAPH 1989; section 6.3 and example 3 of the 2008 report).
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "gvx/core/noise.h"
+#include "gvx/produce/field.h"
+
+namespace gvx::produce {
+
+/// The forms of figure 7 of the report.
+enum class HypertextureKind {
+  hypertexture,  ///< a soft step of d + thickness * strength * noise
+  pseudo_mesh,   ///< the surface itself, a voxel or two thick
+  ramp,          ///< an even slope across the shell
+  blurred,       ///< thin towards the outside: a soft silhouette
+  solid_noise    ///< the surface, and noise as what is inside
+};
+inline constexpr std::array<const char*, 5> kHypertextureNames = {"hypertexture", "pseudo-mesh", "ramp",
+                                                                  "blurred", "solid-noise"};
+
+struct HypertextureOptions {
+  HypertextureKind kind = HypertextureKind::hypertexture;
+  double thickness = 0.06;  ///< of the shell, in tree space
+  double strength = 0.9;    ///< of the noise, in thicknesses
+  FractalNoise noise{.octaves = 8, .wavelength = 0.08};
+};
+
+/// Densities from 0 (outside) to 1.
+class HypertextureField final : public Field {
+ public:
+  /// `distance`: below 0 inside; where it is greater than reach() it need not be right.
+  HypertextureField(std::shared_ptr<const Field> distance, const HypertextureOptions& options);
+
+  /// Farther from the surface than this the density is 0 or 1, in voxels of this spacing.
+  static double reach(const HypertextureOptions& options, double spacing);
+
+  void sample(const VoxelBlock& block, std::span<float> values) const override;
+  ValueRange bounds(const Box3d& box, double coarsest_spacing) const override;
+
+ private:
+  double thickness() const;
+  double strength() const;
+
+  std::shared_ptr<const Field> distance_;
+  HypertextureOptions options_;
+};
+
+/// The distance to a union of balls, below 0 inside; inside of several no more than a bound of it.
+class BallsField final : public Field {
+ public:
+  struct Ball {
+    Vec3d centre;
+    double radius = 0;
+  };
+  explicit BallsField(std::vector<Ball> balls) : balls_(std::move(balls)) {}
+
+  void sample(const VoxelBlock& block, std::span<float> values) const override;
+  ValueRange bounds(const Box3d& box, double coarsest_spacing) const override;
+
+ private:
+  double distance(Vec3d p) const;
+
+  std::vector<Ball> balls_;
+};
+
+/// A heap of balls that swell upwards from a flat base: what a cumulus is made of.
+std::vector<BallsField::Ball> cumulus_balls(std::uint32_t seed);
+
+}  // namespace gvx::produce
