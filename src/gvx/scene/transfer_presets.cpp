@@ -8,8 +8,8 @@
 namespace gvx::scene {
 namespace {
 
-constexpr std::array<const char*, 9> kNames = {"ct-bone", "ct-skin", "ct-tissue", "mr",  "microscopy",
-                                               "gray",    "solid",   "cloud",     "ramp"};
+constexpr std::array<const char*, 10> kNames = {"ct-bone", "ct-skin", "ct-tissue", "mr",    "microscopy",
+                                                "gray",    "solid",   "inside",    "cloud", "ramp"};
 
 /// The physical value below which `share` of the voxels lie.
 double percentile(const ValueStatistics& s, double share) {
@@ -132,11 +132,20 @@ TransferFunction solid(const ValueStatistics& s) {
   return {{{at(0), {0.80, 0.72, 0.60}}, {at(1), {0.95, 0.90, 0.82}}}, {{at(0.3), 0}, {at(0.6), 0.9}}, 0};
 }
 
+/// What is below the middle of the values: of distances to a surface, what it encloses.
+TransferFunction inside(const ValueStatistics& s) {
+  const double width = std::max(s.maximum - s.minimum, 1e-30), middle = 0.5 * (s.minimum + s.maximum);
+  return {{{s.minimum, {0.95, 0.90, 0.82}}, {s.maximum, {0.80, 0.72, 0.60}}},
+          {{middle - 0.01 * width, 0.9}, {middle + 0.01 * width, 0}},
+          0};
+}
+
 /// White haze, the denser the more opaque.
 TransferFunction cloud(const ValueStatistics& s) {
   const double width = std::max(s.maximum - s.minimum, 1e-30);
-  return {
-      {{s.minimum, {0.93, 0.95, 1}}, {s.maximum, {1, 1, 1}}}, {{s.minimum, 0}, {s.minimum + width, 0.035}}, 0};
+  return {{{s.minimum, {0.93, 0.95, 1}}, {s.maximum, {1, 1, 1}}},
+          {{s.minimum, 0}, {s.minimum + width, 0.035}},
+          0};
 }
 
 }  // namespace
@@ -181,6 +190,7 @@ Result<TransferFunction> preset(const std::string& name, const ValueStatistics& 
   if (name == "ramp") return ramp(statistics);
   if (name == "gray") return gray(statistics);
   if (name == "solid") return solid(statistics);
+  if (name == "inside") return inside(statistics);
   if (name == "cloud") return cloud(statistics);
   std::string known;
   for (const char* n : kNames) known += std::string(known.empty() ? "" : ", ") + n;

@@ -1,0 +1,188 @@
+#include "gvx/produce/mesh_query.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#if defined(GVX_WITH_EMBREE)
+#include <embree3/rtcore.h>
+#endif
+
+namespace gvx::produce {
+
+#if defined(GVX_WITH_EMBREE)
+namespace {
+
+/// The weights of a triangle's corners in the point of it that is nearest to p (Ericson, "Real-Time Collision
+/// Detection", 2005, 5.1.5).
+std::array<float, 3> nearest_weights(Vec3f p, Vec3f a, Vec3f b, Vec3f c) {
+  const Vec3f ab = b - a, ac = c - a, ap = p - a;
+  const float d1 = dot(ab, ap), d2 = dot(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
+  const Vec3f bp = p - b;
+  const float d3 = dot(ab, bp), d4 = dot(ac, bp);
+  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
+  const float vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+    const float v = d1 / (d1 - d3);
+    return {1 - v, v, 0};
+  }
+  const Vec3f cp = p - c;
+  const float d5 = dot(ab, cp), d6 = dot(ac, cp);
+  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
+  const float vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+    const float w = d2 / (d2 - d6);
+    return {1 - w, 0, w};
+  }
+  const float va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    const float w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return {0, 1 - w, w};
+  }
+  const float all = va + vb + vc;
+  return {va / all, vb / all, vc / all};
+}
+
+struct NearestSearch {
+  const io::TriangleMesh& mesh;
+  std::optional<MeshQuery::Nearest> found;
+};
+
+bool consider(RTCPointQueryFunctionArguments* arguments) {
+  auto& search = *static_cast<NearestSearch*>(arguments->userPtr);
+  const auto& triangle = search.mesh.triangles[arguments->primID];
+  const Vec3f a = search.mesh.vertices[triangle[0]], b = search.mesh.vertices[triangle[1]],
+              c = search.mesh.vertices[triangle[2]];
+  RTCPointQuery& query = *arguments->query;
+  const Vec3f p(query.x, query.y, query.z);
+  const std::array<float, 3> w = nearest_weights(p, a, b, c);
+  const float distance = length(w[0] * a + w[1] * b + w[2] * c - p);
+  // Of equally near ones the first, whatever order they come in.
+  const bool nearer = distance < query.radius || (search.found && distance == search.found->distance &&
+                                                  arguments->primID < search.found->triangle);
+  if (!nearer) return false;
+  search.found = {distance, arguments->primID, w};
+  query.radius = distance;
+  return true;
+}
+
+/// Collects every crossing, and lets the ray go on.
+struct Crossings {
+  RTCIntersectContext context;
+  std::vector<float>* distances = nullptr;
+};
+
+void note_crossing(const RTCFilterFunctionNArguments* arguments) {
+  const auto* crossings = reinterpret_cast<const Crossings*>(arguments->context);
+  if (arguments->valid[0] == 0) return;
+  crossings->distances->push_back(RTCRayN_tfar(arguments->ray, arguments->N, 0));
+  arguments->valid[0] = 0;
+}
+
+}  // namespace
+
+struct MeshQuery::Scene {
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+
+  ~Scene() {
+    if (scene != nullptr) rtcReleaseScene(scene);
+    if (device != nullptr) rtcReleaseDevice(device);
+  }
+
+  void cross(Vec3f p, Vec3f direction, std::vector<float>& distances) const {
+    distances.clear();
+    Crossings crossings{};
+    rtcInitIntersectContext(&crossings.context);
+    crossings.context.filter = note_crossing;
+    crossings.distances = &distances;
+    RTCRay ray{};
+    ray.org_x = p.x, ray.org_y = p.y, ray.org_z = p.z;
+    ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
+    ray.tnear = 0;
+    ray.tfar = INFINITY;
+    ray.mask = UINT32_MAX;
+    rtcOccluded1(scene, &crossings.context, &ray);
+  }
+};
+
+Result<std::unique_ptr<MeshQuery>> MeshQuery::create(io::TriangleMesh mesh) {
+  std::unique_ptr<MeshQuery> query(new MeshQuery(std::move(mesh)));
+  Scene& scene = *query->scene_;
+  scene.device = rtcNewDevice(nullptr);
+  if (scene.device == nullptr) return Error{"a mesh: Embree does not run on this processor"};
+  scene.scene = rtcNewScene(scene.device);
+  rtcSetSceneFlags(scene.scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT |
+                                                           RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+  const io::TriangleMesh& m = query->mesh_;
+  RTCGeometry geometry = rtcNewGeometry(scene.device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  // Embree reads four numbers where there are three: the last vertex needs one behind it.
+  query->mesh_.vertices.emplace_back();
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, m.vertices.data(), 0,
+                             sizeof(Vec3f), m.vertices.size() - 1);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, m.triangles.data(), 0,
+                             sizeof(m.triangles[0]), m.triangles.size());
+  rtcSetGeometryPointQueryFunction(geometry, consider);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene.scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene.scene);
+  if (rtcGetDeviceError(scene.device) != RTC_ERROR_NONE) return Error{"a mesh: Embree: out of memory"};
+  return query;
+}
+
+MeshQuery::MeshQuery(io::TriangleMesh mesh) : mesh_(std::move(mesh)), scene_(std::make_unique<Scene>()) {}
+
+std::optional<MeshQuery::Nearest> MeshQuery::nearest(Vec3f p, float radius) const {
+  NearestSearch search{mesh_, {}};
+  RTCPointQuery query{p.x, p.y, p.z, 0, radius};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(scene_->scene, &query, &context, nullptr, &search);
+  return search.found;
+}
+
+void MeshQuery::crossings(Vec3f p, int axis, std::vector<float>& distances) const {
+  Vec3f direction;
+  direction[axis] = 1;
+  scene_->cross(p, direction, distances);
+  std::sort(distances.begin(), distances.end());
+}
+
+bool MeshQuery::inside(Vec3f p) const {
+  // Oblique, so that they seldom meet an edge of what people model along the axes.
+  constexpr Vec3f kWays[] = {
+      {0.8623f, 0.4127f, 0.2931f}, {-0.3217f, 0.9013f, 0.2891f}, {0.1931f, -0.3571f, 0.9139f}};
+  thread_local std::vector<float> distances;
+  int odd = 0;
+  for (const Vec3f& way : kWays) {
+    scene_->cross(p, way, distances);
+    odd += static_cast<int>(distances.size() % 2);
+  }
+  return odd >= 2;
+}
+
+#else
+
+struct MeshQuery::Scene {};
+
+Result<std::unique_ptr<MeshQuery>> MeshQuery::create(io::TriangleMesh) {
+  return Error{"what is made of meshes is not in this build: it was made without Embree 3"};
+}
+MeshQuery::MeshQuery(io::TriangleMesh) {}
+std::optional<MeshQuery::Nearest> MeshQuery::nearest(Vec3f, float) const {
+  return {};
+}
+void MeshQuery::crossings(Vec3f, int, std::vector<float>& distances) const {
+  distances.clear();
+}
+bool MeshQuery::inside(Vec3f) const {
+  return false;
+}
+
+#endif
+
+MeshQuery::~MeshQuery() = default;
+
+}  // namespace gvx::produce
