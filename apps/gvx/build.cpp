@@ -1,4 +1,4 @@
-// gvx build INPUT -o OUT.gvx: a volume file into a store.
+// gvx build INPUT -o OUT.gvx: a volume or mesh file into a store.
 
 #include <cstdio>
 #include <filesystem>
@@ -8,8 +8,10 @@
 
 #include "commands.h"
 #include "gvx/io/channel_merger.h"
+#include "gvx/io/mesh.h"
 #include "gvx/io/store_build.h"
 #include "gvx/io/volume_reader.h"
+#include "mesh_build.h"
 #include "open_scene.h"
 #include "progress.h"
 #include "units.h"
@@ -23,7 +25,33 @@ struct Options {
   int brick = 16, tree = 2, threads = 0;
   bool force = false, labels = false;
   RawFlags raw;
+  MeshFlags mesh;
 };
+
+void print_built(const std::string& path, Vec3i d, std::uint64_t bytes) {
+  std::printf("%s: %lld x %lld x %lld voxels, %s\n", path.c_str(), static_cast<long long>(d.x),
+              static_cast<long long>(d.y), static_cast<long long>(d.z), bytes_text(bytes).c_str());
+}
+
+Status build_from_mesh(const Options& o, const io::StoreBuildOptions& common) {
+  const std::string& path = o.inputs.front();
+  if (o.inputs.size() > 1)
+    return Error{path + ": one mesh makes a store; several files are channels of volumes"};
+  if (o.labels || !o.type.empty()) return Error{path + ": --labels and --type do not go with a mesh"};
+  GVX_ASSIGN(produce::MeshStoreOptions options, o.mesh.parse());
+  options.n = common.n;
+  options.m = common.m;
+  options.codec = common.codec;
+  options.memory_bytes = common.memory_bytes;
+  produce::MeshStoreReport report;
+  {
+    Progress progress("building", "slices");
+    GVX_ASSIGN(report, build_mesh(exec::Device::cpu(o.threads), path, o.output, options, o.mesh.fill(),
+                                  [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
+  }
+  print_built(o.output, report.dimensions, report.bytes_written);
+  return {};
+}
 
 /// One volume, or several as its channels.
 Result<std::unique_ptr<io::SliceReader>> open_channels(const std::vector<std::string>& paths,
@@ -50,6 +78,8 @@ Status build(const Options& o) {
   options.codec = codecs.at(o.codec);
   if (!o.type.empty()) options.type = types.at(o.type);
   GVX_ASSIGN(options.memory_bytes, parse_bytes(o.memory));
+  if (io::is_mesh_name(o.inputs.front())) return build_from_mesh(o, options);
+  if (o.mesh.given()) return Error{o.inputs.front() + ": --resolution and --fill are for meshes"};
   GVX_ASSIGN(const io::RawOptions raw, o.raw.parse());
   options.labels = o.labels;
   GVX_ASSIGN(const auto volume, open_channels(o.inputs, raw));
@@ -60,10 +90,7 @@ Status build(const Options& o) {
                io::build_store(exec::Device::cpu(o.threads), *volume, o.output, options,
                                [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
   }
-  const Vec3i d = volume->description().dimensions;
-  std::printf("%s: %lld x %lld x %lld voxels, %s\n", o.output.c_str(), static_cast<long long>(d.x),
-              static_cast<long long>(d.y), static_cast<long long>(d.z),
-              bytes_text(report.bytes_written).c_str());
+  print_built(o.output, volume->description().dimensions, report.bytes_written);
   if (report.not_finite > 0) {
     std::fprintf(stderr, "gvx: %s: %llu samples are not finite numbers; they are stored as 0\n",
                  o.inputs.front().c_str(), static_cast<unsigned long long>(report.not_finite));
@@ -79,12 +106,12 @@ Status build(const Options& o) {
 
 Command add_build(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("build", "Build a .gvx store from a volume file");
+  CLI::App* command = program.add_subcommand("build", "Build a .gvx store from a volume or mesh file");
   command
-      ->add_option(
-          "input", options->inputs,
-          "RAW, NRRD, NIfTI-1 or MetaImage file; - reads raw samples from a pipe; several files of one "
-          "shape become the channels of one volume")
+      ->add_option("input", options->inputs,
+                   "RAW, NRRD, NIfTI-1 or MetaImage file, or a mesh (PLY, OBJ, STL, glTF); - reads raw "
+                   "samples from a pipe; several files of one "
+                   "shape become the channels of one volume")
       ->required()
       ->expected(1, 4);
   command->add_option("-o,--output", options->output, "The store to write")->required();
@@ -110,6 +137,7 @@ Command add_build(CLI::App& program) {
       "The numbers name classes: never averaged or blended, coarse levels take the most frequent");
   command->add_flag("--force", options->force, "Replace OUT.gvx where it is there already");
   options->raw.add_to(*command);
+  options->mesh.add_to(*command);
   return [options] { return build(*options); };
 }
 

@@ -11,10 +11,12 @@
 #include <unistd.h>
 
 #include "built_in_scenes.h"
+#include "gvx/io/mesh.h"
 #include "gvx/io/store_build.h"
 #include "gvx/io/volume_reader.h"
 #include "gvx/produce/store_producer.h"
 #include "gvx/store/store_reader.h"
+#include "mesh_build.h"
 #include "progress.h"
 #include "units.h"
 
@@ -51,17 +53,24 @@ class TemporaryFolder {
 Result<std::unique_ptr<store::StoreReader>> build_nameless_store(const exec::Device& cpu,
                                                                  const std::string& path,
                                                                  const io::RawOptions& raw) {
-  GVX_ASSIGN(const auto volume, io::open_volume(path, raw));
   GVX_ASSIGN(const auto folder, TemporaryFolder::create());
-  io::StoreBuildOptions options;
-  options.codec = store::Codec::lz4;
-  options.memory_bytes = 4ull << 30;
-  Progress progress("building a temporary store (gvx build keeps it)", "");
   const std::string store_path = folder->path() + "/volume.gvx";
-  GVX_ASSIGN(const auto report,
-             io::build_store(cpu, *volume, store_path, options,
-                             [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
-  (void)report;
+  Progress progress("building a temporary store (gvx build keeps it)", "");
+  const auto show = [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); };
+  if (io::is_mesh_name(path)) {
+    MeshFlags flags;
+    GVX_ASSIGN(produce::MeshStoreOptions options, flags.parse());
+    options.codec = store::Codec::lz4;
+    GVX_ASSIGN(const auto report, build_mesh(cpu, path, store_path, options, flags.fill(), show));
+    (void)report;
+  } else {
+    GVX_ASSIGN(const auto volume, io::open_volume(path, raw));
+    io::StoreBuildOptions options;
+    options.codec = store::Codec::lz4;
+    options.memory_bytes = 4ull << 30;
+    GVX_ASSIGN(const auto report, io::build_store(cpu, *volume, store_path, options, show));
+    (void)report;
+  }
   return store::StoreReader::open(store_path);
 }
 

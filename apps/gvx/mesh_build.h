@@ -1,0 +1,38 @@
+/// \file
+/// From a mesh file to a store: the flags that say how, and the work.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "gvx/core/result.h"
+#include "gvx/exec/device.h"
+#include "gvx/produce/mesh_voxels.h"
+
+namespace gvx::app {
+
+/// Says what voxels become of a mesh: --resolution, --fill.
+class MeshFlags {
+ public:
+  enum class Fill { automatic, solid, shell };
+
+  void add_to(CLI::App& command);
+  Result<produce::MeshStoreOptions> parse() const;
+  Fill fill() const;
+  /// Was any of them given?
+  bool given() const { return resolution_.has_value() || fill_.has_value(); }
+
+ private:
+  std::optional<std::int64_t> resolution_;
+  std::optional<std::string> fill_;
+};
+
+/// Reads the mesh and writes the store; `fill` says what `options.solid` becomes.
+Result<produce::MeshStoreReport> build_mesh(
+    const exec::Device& cpu, const std::string& path, const std::string& output,
+    produce::MeshStoreOptions options, MeshFlags::Fill fill,
+    const std::function<void(std::uint64_t, std::uint64_t)>& progress);
+
+}  // namespace gvx::app
