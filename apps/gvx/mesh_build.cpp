@@ -11,10 +11,10 @@ void MeshFlags::add_to(CLI::App& command) {
       ->check(CLI::Range(1, 1 << 20))
       ->group(group);
   command
-      .add_option(
-          "--fill", fill_,
-          "solid: what a mesh encloses is opaque; shell: only its surface, two voxels thick; without it "
-          "solid where the mesh is closed")
+      .add_option("--fill", fill_,
+                  "solid: what a mesh encloses is opaque; shell: only its surface, one and a half voxels "
+                  "thick; without it "
+                  "solid where the mesh is closed")
       ->check(CLI::IsMember({"solid", "shell"}))
       ->group(group);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -14,6 +15,7 @@
 #include "gvx/io/mesh.h"
 #include "gvx/io/store_build.h"
 #include "gvx/io/volume_reader.h"
+#include "gvx/produce/repeat_producer.h"
 #include "gvx/produce/store_producer.h"
 #include "gvx/store/store_reader.h"
 #include "mesh_build.h"
@@ -96,7 +98,26 @@ scene::ValueStatistics value_statistics(const produce::TreeDescription& tree, st
   return statistics;
 }
 
+/// COPIES:SCENE, or SCENE, which is shown 8 times along each axis.
+Result<Scene> open_repeated(const exec::Device& cpu, std::string name, const io::RawOptions& raw) {
+  std::int64_t copies = 8;
+  const std::size_t digits = name.find_first_not_of("0123456789");
+  if (digits > 0 && digits != std::string::npos && name[digits] == ':') {
+    copies = digits < 10 ? std::stoll(name.substr(0, digits)) : 0;
+    name = name.substr(digits + 1);
+    if (copies < 2 || !std::has_single_bit(static_cast<std::uint64_t>(copies))) {
+      return Error{"repeat: the number of copies along an axis must be a power of 2, from 2 on"};
+    }
+  }
+  GVX_ASSIGN(Scene one, open_scene(cpu, name, raw));
+  const auto levels = static_cast<std::uint32_t>(std::countr_zero(static_cast<std::uint64_t>(copies)));
+  auto many = produce::RepeatProducer::create(std::move(one.producer), levels);
+  if (!many.ok()) return Error{name + ": " + many.error().message};
+  return Scene{std::move(many).value(), one.preset};
+}
+
 Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw) {
+  if (name.starts_with("repeat:")) return open_repeated(cpu, name.substr(7), raw);
   GVX_ASSIGN(std::optional<Scene> built_in, open_built_in_scene(name));
   if (built_in) return std::move(*built_in);
   GVX_ASSIGN(const bool store, is_store(name));

@@ -176,17 +176,17 @@ class MeshVoxels {
   }
 
   /// Farther from the surface than this a voxel needs to know no more of it.
-  float reach() const { return solid_ ? kInnerReach : 1.5f; }
+  float reach() const { return solid_ ? kInnerReach : kShellReach; }
 
   Voxel far_voxel(bool inside) const { return inside ? voxel_of(inner_color_, 1, {}) : kEmpty; }
 
   Voxel voxel_at(Vec3f p, bool inside) const {
-    const float radius = !solid_ ? 1.5f : inside ? kInnerReach : 0.5f;
+    const float radius = !solid_ ? kShellReach : inside ? kInnerReach : 0.5f;
     const auto nearest = query_.nearest(p, radius);
     if (!nearest) return far_voxel(inside);
     const float d = nearest->distance;
     // A plane through the middle of a voxel's neighbours covers this much of it.
-    const float opacity = !solid_  ? std::clamp(1.5f - d, 0.0f, 1.0f)
+    const float opacity = !solid_  ? std::clamp(kShellReach - d, 0.0f, 1.0f)
                           : inside ? std::min(0.5f + d, 1.0f)
                                    : 0.5f - d;
     return voxel_of(color_of(*nearest), opacity, normal_of(*nearest));
@@ -208,6 +208,8 @@ class MeshVoxels {
 
   /// So deep below the surface voxels have its colour and normal: as far as those on it are blended with.
   static constexpr float kInnerReach = 1.6f;
+  /// From the middle of a shell to where it ends: thinner ones let light through between two voxels.
+  static constexpr float kShellReach = 1.25f;
 
   const MeshQuery& query_;
   const io::TriangleMesh& mesh_;

@@ -20,7 +20,8 @@ bool is_closed(const io::TriangleMesh& mesh);
 
 struct MeshStoreOptions {
   std::int64_t resolution = 512;  ///< voxels along the longest side of the mesh
-  /// What is inside is opaque; needs a mesh that is closed. Else the surface is made about two voxels thick.
+  /// What is inside is opaque; needs a mesh that is closed. Else the surface is made one and a half
+  /// voxels thick.
   bool solid = false;
   std::uint32_t n = 2;   ///< children along an axis of a node: 2 or 3
   std::uint32_t m = 16;  ///< voxels along an axis of a brick: 8, 16 or 32

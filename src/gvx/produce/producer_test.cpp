@@ -8,6 +8,7 @@
 
 #include "gvx/produce/field_producer.h"
 #include "gvx/produce/hypertexture.h"
+#include "gvx/produce/repeat_producer.h"
 #include "gvx/produce/sponge_producer.h"
 #include "gvx/produce/store_producer.h"
 #include "gvx/produce/terrain.h"
@@ -55,6 +56,10 @@ std::shared_ptr<const Producer> make_hypertexture(HypertextureKind kind) {
       std::make_shared<HypertextureField>(std::make_shared<BallsField>(cumulus_balls(3)), options), 16);
 }
 
+std::shared_ptr<const Producer> repeated(std::shared_ptr<const Producer> volume, std::uint32_t levels) {
+  return RepeatProducer::create(std::move(volume), levels).value();
+}
+
 struct Case {
   const char* name;
   std::shared_ptr<const Producer> (*make)();
@@ -70,6 +75,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"ramp", [] { return make_hypertexture(HypertextureKind::ramp); }},
                     Case{"blurred", [] { return make_hypertexture(HypertextureKind::blurred); }},
                     Case{"solid_noise", [] { return make_hypertexture(HypertextureKind::solid_noise); }},
+                    Case{"repeated", [] { return repeated(make_store_producer(), 3); }},
+                    Case{"repeated_often", [] { return repeated(make_store_producer(), 6); }},
                     Case{"sponge", [] { return std::shared_ptr<const Producer>(new SpongeProducer(8)); }}),
     [](const auto& tested) { return tested.param.name; });
 
@@ -140,6 +147,58 @@ TEST(SpongeProducer, is_the_root_again_in_20_of_27_places_at_every_depth) {
     EXPECT_EQ(again, 20);
     at = child(at, 3, depth % 2 == 0 ? 0 : 26);
   }
+}
+
+TEST(RepeatProducer, copies_share_all_nodes_and_have_the_volumes_bricks) {
+  const auto one = make_store_producer(), many = repeated(one, 3);
+  const TreeDescription& tree = many->description();
+  EXPECT_EQ(tree.max_level, one->description().max_level + 3);
+  std::mt19937 random(8);
+  std::vector<std::byte> mine(tree.brick_bytes()), volumes(tree.brick_bytes());
+  for (int i = 0; i < 200; ++i) {
+    const std::uint32_t level = static_cast<std::uint32_t>(random()) % (one->description().max_level + 1);
+    const std::uint32_t within = static_cast<std::uint32_t>(random()) % (1u << level),
+                        copy = static_cast<std::uint32_t>(random()) % 8;
+    const NodeKey inner{level, within, within / 2, 0};
+    const NodeKey key{level + 3, (copy << level) + within, ((7 - copy) << level) + within / 2, copy << level};
+    EXPECT_EQ(many->canonical(key), (NodeKey{level + 3, within, within / 2, 0}));
+    tree::NodeInfo of_key, of_inner;
+    ASSERT_TRUE(many->describe(std::span(&key, 1), std::span(&of_key, 1)).ok());
+    ASSERT_TRUE(one->describe(std::span(&inner, 1), std::span(&of_inner, 1)).ok());
+    EXPECT_EQ(of_key.ranges, of_inner.ranges);
+    if (of_inner.ranges.constant()) continue;
+    ASSERT_TRUE(many->produce(many->canonical(key), mine).ok());
+    ASSERT_TRUE(one->produce(inner, volumes).ok());
+    EXPECT_EQ(mine, volumes);
+  }
+}
+
+TEST(RepeatProducer, levels_above_the_copies_are_means_that_go_on_beyond_the_border) {
+  const auto many = repeated(make_density(std::make_shared<TerrainField>(TerrainOptions{}), 8), 2);
+  std::vector<std::byte> inner(many->description().brick_bytes()), outer(inner.size());
+  ASSERT_TRUE(many->produce({2, 0, 0, 0}, inner).ok());
+  ASSERT_TRUE(many->produce({1, 0, 0, 0}, outer).ok());
+  const auto at = [](const std::vector<std::byte>& brick, int x, int y, int z) {
+    return static_cast<int>(brick[static_cast<std::size_t>((z * 10 + y) * 10 + x)]);
+  };
+  // Two copies along an axis, of four voxels each.
+  for (int z = 0; z < 10; ++z) {
+    for (int y = 0; y < 10; ++y) {
+      for (int x = 0; x < 10; ++x) {
+        int sum = 0;
+        for (int i = 0; i < 8; ++i) {
+          const auto place = [](int voxel, int half) { return 1 + (voxel + 3) % 4 * 2 + half; };
+          sum += at(inner, place(x, i & 1), place(y, i >> 1 & 1), place(z, i >> 2));
+        }
+        ASSERT_EQ(at(outer, x, y, z), (sum + 4) / 8);
+      }
+    }
+  }
+}
+
+TEST(RepeatProducer, refuses_what_no_key_can_name) {
+  EXPECT_FALSE(RepeatProducer::create(make_store_producer(), 30).ok());
+  EXPECT_FALSE(RepeatProducer::create(make_field_producer(), 1).ok());
 }
 
 TEST(FieldProducer, samples_at_voxel_centres) {

@@ -259,12 +259,31 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
       slice(to.planes[c], to, to.slices)[at] =
           rounded<Voxel>(std::clamp(double(seen[c]) * 255.0, 0.0, 255.0));
     }
-    for (std::size_t c = 4; c < format.planes; ++c) {
-      MomentSum<Voxel> sum;
-      for_each_row(from.planes[c], from, first, last, [&](const Voxel* row) {
-        for (std::int64_t x = first.x; x < last.x; ++x) sum.add(row[x], 0);
+    if (format.content == VoxelContent::color_normal) merge_normals(to, from, first, last, at, seen[3]);
+  }
+
+  /// The mean of the normals that there are: what is inside has none, and takes nothing away from those of
+  /// its surface. Where they disagree it is short.
+  void merge_normals(Level& to, Level& from, Vec3i first, Vec3i last, std::int64_t at, float opacity) {
+    std::array<Vec3f, 27> normals{};
+    for (int axis = 0; axis < 3; ++axis) {
+      std::size_t i = 0;
+      for_each_row(from.planes[static_cast<std::size_t>(4 + axis)], from, first, last, [&](const Voxel* row) {
+        for (std::int64_t x = first.x; x < last.x; ++x) {
+          normals[i++][axis] = (static_cast<float>(row[x]) - 127) / 127;
+        }
       });
-      slice(to.planes[c], to, to.slices)[at] = rounded<Voxel>(sum.moments().mean);
+    }
+    Vec3f sum;
+    float lengths = 0;
+    for (const Vec3f& normal : normals) {
+      sum = sum + normal;
+      lengths += length(normal);
+    }
+    const Vec3f mean = lengths > 0 ? (opacity / lengths) * sum : Vec3f();
+    for (int axis = 0; axis < 3; ++axis) {
+      slice(to.planes[static_cast<std::size_t>(4 + axis)], to, to.slices)[at] =
+          rounded<Voxel>(127 + 127 * double(std::clamp(mean[axis], -1.0f, 1.0f)));
     }
   }
 

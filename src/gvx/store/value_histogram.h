@@ -38,7 +38,7 @@ class ValueHistogram {
       ++odd[fine_bin(voxels[i + 1])];
     }
     if (count % 2 != 0) ++even[fine_bin(voxels[count - 1])];
-    for (std::size_t i = 0; i < fine_.size(); ++i) fine_[i] += even_[i] + odd_[i];
+    for (std::size_t bin = 0; bin < fine_.size(); ++bin) fine_[bin] += even_[bin] + odd_[bin];
   }
 
   void add(const ValueHistogram& other) {
