@@ -15,6 +15,7 @@
 #include "gvx/io/mesh.h"
 #include "gvx/io/store_build.h"
 #include "gvx/io/volume_reader.h"
+#include "gvx/produce/amplify_producer.h"
 #include "gvx/produce/repeat_producer.h"
 #include "gvx/produce/store_producer.h"
 #include "gvx/store/store_reader.h"
@@ -116,7 +117,15 @@ Result<Scene> open_repeated(const exec::Device& cpu, std::string name, const io:
   return Scene{std::move(many).value(), one.preset};
 }
 
+Result<Scene> open_amplified(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw) {
+  GVX_ASSIGN(Scene one, open_scene(cpu, name, raw));
+  auto rich = produce::AmplifyProducer::create(std::move(one.producer), {});
+  if (!rich.ok()) return Error{name + ": " + rich.error().message};
+  return Scene{std::move(rich).value(), one.preset};
+}
+
 Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw) {
+  if (name.starts_with("amplify:")) return open_amplified(cpu, name.substr(8), raw);
   if (name.starts_with("repeat:")) return open_repeated(cpu, name.substr(7), raw);
   GVX_ASSIGN(std::optional<Scene> built_in, open_built_in_scene(name));
   if (built_in) return std::move(*built_in);

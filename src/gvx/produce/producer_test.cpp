@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "gvx/produce/amplify_producer.h"
 #include "gvx/produce/field_producer.h"
 #include "gvx/produce/hypertexture.h"
 #include "gvx/produce/repeat_producer.h"
@@ -60,6 +61,10 @@ std::shared_ptr<const Producer> repeated(std::shared_ptr<const Producer> volume,
   return RepeatProducer::create(std::move(volume), levels).value();
 }
 
+std::shared_ptr<const Producer> amplified(std::shared_ptr<const Producer> volume) {
+  return AmplifyProducer::create(std::move(volume), {}).value();
+}
+
 struct Case {
   const char* name;
   std::shared_ptr<const Producer> (*make)();
@@ -67,17 +72,20 @@ struct Case {
 class EveryProducer : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(
     , EveryProducer,
-    testing::Values(Case{"store", make_store_producer}, Case{"field", make_field_producer},
-                    Case{"terrain",
-                         [] { return make_density(std::make_shared<TerrainField>(TerrainOptions{}), 8); }},
-                    Case{"hypertexture", [] { return make_hypertexture(HypertextureKind::hypertexture); }},
-                    Case{"pseudo_mesh", [] { return make_hypertexture(HypertextureKind::pseudo_mesh); }},
-                    Case{"ramp", [] { return make_hypertexture(HypertextureKind::ramp); }},
-                    Case{"blurred", [] { return make_hypertexture(HypertextureKind::blurred); }},
-                    Case{"solid_noise", [] { return make_hypertexture(HypertextureKind::solid_noise); }},
-                    Case{"repeated", [] { return repeated(make_store_producer(), 3); }},
-                    Case{"repeated_often", [] { return repeated(make_store_producer(), 6); }},
-                    Case{"sponge", [] { return std::shared_ptr<const Producer>(new SpongeProducer(8)); }}),
+    testing::Values(
+        Case{"store", make_store_producer}, Case{"field", make_field_producer},
+        Case{"terrain", [] { return make_density(std::make_shared<TerrainField>(TerrainOptions{}), 8); }},
+        Case{"hypertexture", [] { return make_hypertexture(HypertextureKind::hypertexture); }},
+        Case{"pseudo_mesh", [] { return make_hypertexture(HypertextureKind::pseudo_mesh); }},
+        Case{"ramp", [] { return make_hypertexture(HypertextureKind::ramp); }},
+        Case{"blurred", [] { return make_hypertexture(HypertextureKind::blurred); }},
+        Case{"solid_noise", [] { return make_hypertexture(HypertextureKind::solid_noise); }},
+        Case{"repeated", [] { return repeated(make_store_producer(), 3); }},
+        Case{"repeated_often", [] { return repeated(make_store_producer(), 6); }},
+        Case{"amplified", [] { return amplified(make_store_producer()); }},
+        Case{"amplified_floats", [] { return amplified(make_field_producer()); }},
+        Case{"amplified_and_repeated", [] { return repeated(amplified(make_store_producer()), 2); }},
+        Case{"sponge", [] { return std::shared_ptr<const Producer>(new SpongeProducer(8)); }}),
     [](const auto& tested) { return tested.param.name; });
 
 /// Walks down from the root to random nodes that hold part of the volume.
@@ -147,6 +155,32 @@ TEST(SpongeProducer, is_the_root_again_in_20_of_27_places_at_every_depth) {
     EXPECT_EQ(again, 20);
     at = child(at, 3, depth % 2 == 0 ? 0 : 26);
   }
+}
+
+TEST(AmplifyProducer, adds_detail_below_the_volumes_levels_and_nothing_at_them) {
+  const auto plain = make_store_producer(), rich = amplified(plain);
+  const std::uint32_t finest = plain->description().max_level;
+  EXPECT_EQ(rich->description().max_level, finest + 3);
+  std::vector<std::byte> mine(plain->description().brick_bytes()), volumes(mine.size());
+  const NodeKey node{finest, 1, 1, 1};
+  ASSERT_TRUE(rich->produce(node, mine).ok());
+  ASSERT_TRUE(plain->produce(node, volumes).ok());
+  EXPECT_EQ(mine, volumes);
+  // Two neighbours a level below agree where they meet: the one's border is the other's first layer.
+  std::vector<std::byte> left(mine.size()), right(mine.size());
+  ASSERT_TRUE(rich->produce({finest + 2, 5, 5, 5}, left).ok());
+  ASSERT_TRUE(rich->produce({finest + 2, 6, 5, 5}, right).ok());
+  int differences = 0, changes = 0;
+  for (std::size_t row = 0; row < 100; ++row) {
+    for (const auto& [a, b] : {std::pair(8, 0), std::pair(9, 1)}) {
+      const int one = static_cast<int>(left[row * 10 + static_cast<std::size_t>(a)]),
+                other = static_cast<int>(right[row * 10 + static_cast<std::size_t>(b)]);
+      differences += std::abs(one - other) > 1 ? 1 : 0;
+    }
+    changes += left[row * 10 + 3] != left[row * 10 + 4] ? 1 : 0;
+  }
+  EXPECT_EQ(differences, 0);
+  EXPECT_GT(changes, 50);
 }
 
 TEST(RepeatProducer, copies_share_all_nodes_and_have_the_volumes_bricks) {

@@ -1,0 +1,156 @@
+#include "gvx/produce/amplify_producer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace gvx::produce {
+namespace {
+
+/// What a value v of a range becomes with this noise.
+double amplified(double v, ValueRange range, double noise, double strength) {
+  const double width = range.maximum - range.minimum;
+  if (!(width > 0)) return v;
+  const double share = std::clamp((v - range.minimum) / width, 0.0, 1.0);
+  return v + strength * width * 4 * share * (1 - share) * noise;
+}
+
+template <typename Voxel>
+Voxel as_voxel(double v) {
+  if constexpr (std::is_same_v<Voxel, float>) {
+    return static_cast<float>(v);
+  } else {
+    return static_cast<Voxel>(
+        std::clamp(std::floor(v + 0.5), 0.0, double(std::numeric_limits<Voxel>::max())));
+  }
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const AmplifyProducer>> AmplifyProducer::create(std::shared_ptr<const Producer> volume,
+                                                                       const AmplifyOptions& options) {
+  const TreeDescription& tree = volume->description();
+  if (tree.format.content != VoxelContent::scalar) {
+    return Error{std::string("amplify: expected scalars, found ") + content_name(tree.format.content)};
+  }
+  if (nodes_across(static_cast<int>(tree.n), tree.max_level + options.levels) > 0x1p31) {
+    return Error{"amplify: more levels than a tree can have"};
+  }
+  return std::shared_ptr<const AmplifyProducer>(new AmplifyProducer(std::move(volume), options));
+}
+
+AmplifyProducer::AmplifyProducer(std::shared_ptr<const Producer> volume, const AmplifyOptions& options)
+    : volume_(std::move(volume)),
+      finest_(volume_->description().max_level),
+      options_(options),
+      description_(volume_->description()) {
+  const double voxel = 1 / (nodes_across(static_cast<int>(description_.n), finest_) * description_.m);
+  // Octaves until the finest voxels resolve no more.
+  const auto octaves = std::log2(options_.wavelength) + options_.levels * std::log2(description_.n);
+  noise_ = {.octaves = static_cast<std::uint32_t>(std::clamp(std::ceil(octaves), 1.0, 32.0)),
+            .wavelength = options_.wavelength * voxel,
+            .gain = options_.gain,
+            .seed = options_.seed};
+  description_.max_level += options_.levels;
+  description_.bricks = 0;
+  description_.exact_ranges = false;
+}
+
+NodeKey AmplifyProducer::in_volume(const NodeKey& key) const {
+  NodeKey above = key;
+  while (above.level > finest_) above = parent(above, static_cast<int>(description_.n));
+  return volume_->canonical(above);
+}
+
+NodeKey AmplifyProducer::canonical(const NodeKey& key) const {
+  // Noise is another everywhere, but nothing has none.
+  const NodeKey one = in_volume(key);
+  tree::NodeInfo info;
+  const bool known = volume_->describe(std::span(&one, 1), std::span(&info, 1)).ok();
+  return known && info.ranges.constant() ? one : key;
+}
+
+Status AmplifyProducer::describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const {
+  std::vector<NodeKey> above(keys.size());
+  std::transform(keys.begin(), keys.end(), above.begin(), [&](const NodeKey& key) { return in_volume(key); });
+  GVX_TRY(volume_->describe(above, infos));
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    tree::NodeInfo& info = infos[i];
+    if (info.ranges.constant()) continue;
+    info.terminal = keys[i].level == description_.max_level;
+    const double n = description_.n, across = nodes_across(static_cast<int>(description_.n), keys[i].level),
+                 rim = n / (across * description_.m);
+    const Vec3d low = Vec3d(keys[i].x, keys[i].y, keys[i].z) / across;
+    // For every footprint there is, so that the bounds of a node hold those below.
+    const noise::Interval noise =
+        noise_.bounds({low - Vec3d(rim), low + Vec3d(1 / across + rim)}, std::numeric_limits<double>::max());
+    for (std::uint32_t c = 0; c < description_.format.channels(); ++c) {
+      ValueRange& range = info.ranges.channel[c];
+      const ValueRange all = description_.ranges.channel[c];
+      const double width = options_.strength * (double(all.maximum) - all.minimum);
+      with_voxel_type(description_.format.type, [&](auto zero) {
+        using Voxel = decltype(zero);
+        range = {static_cast<float>(as_voxel<Voxel>(range.minimum + std::min(width * noise.low, 0.0))),
+                 static_cast<float>(as_voxel<Voxel>(range.maximum + std::max(width * noise.high, 0.0)))};
+      });
+    }
+  }
+  return {};
+}
+
+Status AmplifyProducer::produce(const NodeKey& key, std::span<std::byte> voxels) const {
+  const NodeKey above = in_volume(key);
+  if (key.level <= finest_) return volume_->produce(above, voxels);
+  thread_local std::vector<std::byte> coarse;
+  coarse.assign(description_.brick_bytes(), std::byte{0});
+  GVX_TRY(volume_->produce(above, coarse));
+  const int m = static_cast<int>(description_.m), edge = m + 2;
+  const double parts = nodes_across(static_cast<int>(description_.n), key.level - finest_);
+  const double across = nodes_across(static_cast<int>(description_.n), key.level), voxel = 1 / (across * m);
+  // Where this node's first voxel, of the border, is in its ancestor's brick, in texels.
+  const auto first = [&](std::uint32_t place) {
+    return std::fmod(place, parts) / parts * m + 0.5 - 0.5 / parts;
+  };
+  const Vec3d start(first(key.x), first(key.y), first(key.z));
+  const Vec3d corner = Vec3d(key.x, key.y, key.z) / across - Vec3d(0.5 * voxel);
+  std::vector<double> noise(static_cast<std::size_t>(edge));
+  with_voxel_type(description_.format.type, [&](auto zero) {
+    using Voxel = decltype(zero);
+    const auto* from = reinterpret_cast<const Voxel*>(coarse.data());
+    auto* to = reinterpret_cast<Voxel*>(voxels.data());
+    for (std::uint32_t plane = 0; plane < description_.format.planes; ++plane, from += edge * edge * edge) {
+      const auto mixed = [&](Vec3d p) {
+        int low[3];
+        double share[3];
+        for (int axis = 0; axis < 3; ++axis) {
+          const double held = std::clamp(p[axis], 0.0, edge - 1.0);
+          low[axis] = std::min(static_cast<int>(held), edge - 2);
+          share[axis] = held - low[axis];
+        }
+        double sum = 0;
+        for (int k = 0; k < 8; ++k) {
+          const int x = k & 1, y = k >> 1 & 1, z = k >> 2;
+          const double weight =
+              (x ? share[0] : 1 - share[0]) * (y ? share[1] : 1 - share[1]) * (z ? share[2] : 1 - share[2]);
+          sum += weight * double(from[((low[2] + z) * edge + low[1] + y) * edge + low[0] + x]);
+        }
+        return sum;
+      };
+      for (int z = 0; z < edge; ++z) {
+        for (int y = 0; y < edge; ++y) {
+          noise_.row(corner + voxel * Vec3d(0, y, z), voxel, description_.m + 2, voxel, noise.data(),
+                     [](const double*, double) { return false; });
+          for (int x = 0; x < edge; ++x) {
+            const double v = mixed(start + Vec3d(x, y, z) / parts);
+            *to++ = as_voxel<Voxel>(amplified(v, description_.ranges.channel[plane],
+                                              noise[static_cast<std::size_t>(x)], options_.strength));
+          }
+        }
+      }
+    }
+  });
+  return {};
+}
+
+}  // namespace gvx::produce
