@@ -135,6 +135,77 @@ TEST_F(Program, renders_the_sponge_and_writes_exr) {
   EXPECT_EQ(magic, (std::array<unsigned char, 4>{0x76, 0x2f, 0x31, 0x01}));
 }
 
+/// A pyramid with a square base, closed.
+void write_pyramid(const std::string& file) {
+  std::ofstream(file) << "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+                         "property float z\nelement face 5\nproperty list uchar int vertex_indices\n"
+                         "end_header\n0 0 0\n2 0 0\n2 2 0\n0 2 0\n1 1 1.5\n"
+                         "4 3 2 1 0\n3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n";
+}
+
+TEST_F(Program, renders_what_is_made) {
+  std::vector<std::string> scenes = {"cloud", "terrain --octaves 4 --seed 7",
+                                     "repeat:2:cloud --octaves 2 --levels 3"};
+  write_pyramid(path("pyramid.ply"));
+  const bool embree = gvx("render distance:pyramid.ply -o p.png --size 8x8 --levels 2").status == 0;
+  if (embree) {
+    for (const char* kind :
+         {"distance", "axis-distance", "hypertexture", "pseudo-mesh", "ramp", "blurred", "solid-noise"}) {
+      scenes.push_back(std::string(kind) + ":pyramid.ply --levels 4");
+    }
+    scenes.emplace_back("repeat:2:amplify:distance:pyramid.ply --levels 2");
+    scenes.emplace_back("pyramid.ply --resolution 50");
+  }
+  for (const std::string& scene : scenes) {
+    const Outcome outcome = gvx("render " + scene + " -o a.png --size 40x30 --detail 1 --transparent");
+    ASSERT_EQ(outcome.status, 0) << scene << "\n" << outcome.output;
+    const auto picture = io::read_png(path("a.png"));
+    ASSERT_TRUE(picture.ok());
+    int seen = 0;
+    for (std::size_t i = 3; i < picture.value().rgba.size(); i += 4)
+      seen += picture.value().rgba[i] > 20 ? 1 : 0;
+    EXPECT_GT(seen, 40) << scene;
+    EXPECT_LT(seen, 40 * 30) << scene;
+  }
+  expect_error("render sponge -o a.png --octaves 3", "octaves is nothing that this scene takes");
+  expect_error("render cloud -o a.png --octaves 99", "octaves");
+  expect_error("render repeat:3:cloud -o a.png", "power of 2");
+  expect_error("render repeat:sponge -o a.png", "trees of 2");
+  expect_error("render distance:none.ply -o a.png", "none.ply");
+  expect_error("render amplify:none.gvx -o a.png", "none.gvx");
+}
+
+TEST_F(Program, builds_a_store_of_a_mesh) {
+  write_pyramid(path("pyramid.ply"));
+  const Outcome built = gvx("build pyramid.ply -o p.gvx --resolution 60");
+  if (built.output.find("Embree") != std::string::npos) GTEST_SKIP() << built.output;
+  ASSERT_EQ(built.status, 0) << built.output;
+  EXPECT_NE(built.output.find("66 x 66 x 51 voxels"), std::string::npos) << built.output;
+  EXPECT_EQ(gvx("verify p.gvx").status, 0);
+  ASSERT_EQ(gvx("render p.gvx -o stored.png --size 50x40").status, 0);
+  ASSERT_EQ(gvx("render pyramid.ply --resolution 60 -o direct.png --size 50x40").status, 0);
+  EXPECT_EQ(shell("cmp " + path("stored.png") + " " + path("direct.png")).status, 0);
+  // A scene file in another folder finds the mesh beside it.
+  fs::create_directories(path("below"));
+  fs::copy(path("pyramid.ply"), path("below/pyramid.ply"));
+  std::ofstream(path("below/scene.json"))
+      << R"({"volume": "distance:pyramid.ply", "generate": {"levels": 3}})";
+  fs::remove(path("pyramid.ply"));
+  const Outcome placed = gvx("render below/scene.json -o a.png --size 8x8");
+  EXPECT_EQ(placed.status, 0) << placed.output;
+
+  std::ofstream(path("open.ply"))
+      << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+         "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+         "end_header\n0 0 0\n2 0 0\n2 2 0\n3 0 1 2\n";
+  expect_error("build open.ply -o o.gvx --fill solid", "not closed");
+  EXPECT_EQ(gvx("build open.ply -o o.gvx --resolution 20").status, 0);
+  expect_error("build open.ply -o x.gvx --resolution 100000", "--memory");
+  expect_error("build open.ply -o x.gvx --labels", "mesh");
+  EXPECT_FALSE(fs::exists(path("x.gvx")));
+  EXPECT_FALSE(fs::exists(path("x.gvx.partial")));
+}
+
 TEST_F(Program, the_picture_does_not_depend_on_memory_or_threads) {
   // A head CT where Debian's package is there, a ball otherwise.
   write_ball();

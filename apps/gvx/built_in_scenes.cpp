@@ -1,6 +1,8 @@
 #include "built_in_scenes.h"
 
+#include <algorithm>
 #include <memory>
+#include <vector>
 
 #include "gvx/io/mesh.h"
 #include "gvx/produce/field_producer.h"
@@ -13,6 +15,28 @@
 namespace gvx::app {
 namespace {
 
+using scene::GenerateParts;
+
+/// Lays a part over a value, and takes it out: what is left no scene has taken.
+template <typename Value, typename Part>
+void take(Value& value, std::optional<Part>& part) {
+  if (part) value = static_cast<Value>(*part);
+  part.reset();
+}
+
+void take_noise(FractalNoise& noise, GenerateParts& parts) {
+  take(noise.octaves, parts.octaves);
+  take(noise.wavelength, parts.wavelength);
+  take(noise.gain, parts.gain);
+  take(noise.seed, parts.seed);
+}
+
+void take_levels(produce::TreeDescription& tree, GenerateParts& parts) {
+  std::uint32_t levels = tree.max_level + 1;
+  take(levels, parts.levels);
+  tree.max_level = levels - 1;
+}
+
 /// Densities from 0 to 1 in bytes.
 produce::TreeDescription density_tree(std::uint32_t m, std::uint32_t max_level) {
   produce::TreeDescription tree;
@@ -23,20 +47,29 @@ produce::TreeDescription density_tree(std::uint32_t m, std::uint32_t max_level) 
 }
 
 /// Example 4 of the 2008 report: bricks of 32, five octaves, 2048^3.
-Scene cloud() {
+Scene cloud(GenerateParts& parts) {
   produce::HypertextureOptions options;
   options.thickness = 0.1;
   options.strength = 1.1;
   options.noise = {.octaves = 6, .wavelength = 0.13, .gain = 0.55, .seed = 5};
+  take_noise(options.noise, parts);
+  take(options.strength, parts.strength);
+  take(options.thickness, parts.thickness);
+  produce::TreeDescription tree = density_tree(32, 6);
+  take_levels(tree, parts);
   auto balls = std::make_shared<produce::BallsField>(produce::cumulus_balls(4));
   return {std::make_shared<produce::FieldProducer>(
-              density_tree(32, 6), std::make_shared<produce::HypertextureField>(std::move(balls), options)),
+              tree, std::make_shared<produce::HypertextureField>(std::move(balls), options)),
           "cloud"};
 }
 
-Scene terrain() {
-  return {std::make_shared<produce::FieldProducer>(
-              density_tree(16, 12), std::make_shared<produce::TerrainField>(produce::TerrainOptions{})),
+Scene terrain(GenerateParts& parts) {
+  produce::TerrainOptions options;
+  take_noise(options.noise, parts);
+  take(options.relief, parts.strength);
+  produce::TreeDescription tree = density_tree(16, 12);
+  take_levels(tree, parts);
+  return {std::make_shared<produce::FieldProducer>(tree, std::make_shared<produce::TerrainField>(options)),
           "solid"};
 }
 
@@ -57,13 +90,16 @@ Result<MeshScene> open_mesh(const std::string& path, double margin, produce::Tre
 }
 
 /// Example 3 of the report: bricks of 16.
-Result<Scene> hypertexture(const std::string& path, produce::HypertextureKind kind) {
+Result<Scene> hypertexture(const std::string& path, produce::HypertextureKind kind, GenerateParts& parts) {
   produce::HypertextureOptions options;
   options.kind = kind;
   if (kind == produce::HypertextureKind::hypertexture) options.thickness = 0.03;
   options.noise = {.octaves = 20, .wavelength = 0.05, .gain = 0.55, .seed = 3};
-  constexpr std::uint32_t kLevels = 8;
-  const produce::TreeDescription tree = density_tree(16, kLevels);
+  produce::TreeDescription tree = density_tree(16, 8);
+  take_noise(options.noise, parts);
+  take(options.strength, parts.strength);
+  take(options.thickness, parts.thickness);
+  take_levels(tree, parts);
   // As wide as the coarsest voxels' shell, and no wider than the cube's margin lets be seen.
   const double reach = produce::HypertextureField::reach(options, 1.0 / 16);
   GVX_ASSIGN(const MeshScene mesh, open_mesh(path, 0.1, tree));
@@ -73,32 +109,36 @@ Result<Scene> hypertexture(const std::string& path, produce::HypertextureKind ki
                kind == produce::HypertextureKind::blurred ? "cloud" : "solid"};
 }
 
-/// Distances in the mesh's own unit, below 0 inside, within a tenth of the cube.
-Result<Scene> distance(const std::string& path, bool by_axes) {
-  constexpr double kBand = 0.1;
-  GVX_ASSIGN(MeshScene mesh, open_mesh(path, kBand, density_tree(16, 7)));
+/// Distances in the mesh's own unit, below 0 inside, no farther from 0 than the thickness.
+Result<Scene> distance(const std::string& path, bool by_axes, GenerateParts& parts) {
+  double band = 0.05;
+  take(band, parts.thickness);
+  produce::TreeDescription tree = density_tree(16, 7);
+  take_levels(tree, parts);
+  GVX_ASSIGN(MeshScene mesh, open_mesh(path, 0.1, tree));
   mesh.tree.format.type = VoxelType::u16;
-  mesh.tree.scale = 2 * kBand / 65535;
-  mesh.tree.offset = -kBand;
+  mesh.tree.scale = 2 * band / 65535;
+  mesh.tree.offset = -band;
   std::shared_ptr<const produce::Field> field;
   if (by_axes) {
-    field = std::make_shared<produce::AxisDistanceField>(mesh.query, kBand);
+    field = std::make_shared<produce::AxisDistanceField>(mesh.query, band);
   } else {
-    field = std::make_shared<produce::MeshDistanceField>(mesh.query, kBand);
+    field = std::make_shared<produce::MeshDistanceField>(mesh.query, band);
   }
   return Scene{std::make_shared<produce::FieldProducer>(mesh.tree, std::move(field)), "inside"};
 }
 
-Result<std::optional<Scene>> open_of_mesh(const std::string& kind, const std::string& path) {
+Result<std::optional<Scene>> open_of_mesh(const std::string& kind, const std::string& path,
+                                          GenerateParts& parts) {
   const auto some = [](Result<Scene> scene) -> Result<std::optional<Scene>> {
     if (!scene.ok()) return scene.error();
     return std::optional(std::move(scene).value());
   };
-  if (kind == "distance") return some(distance(path, false));
-  if (kind == "axis-distance") return some(distance(path, true));
+  if (kind == "distance") return some(distance(path, false, parts));
+  if (kind == "axis-distance") return some(distance(path, true, parts));
   for (std::size_t i = 0; i < produce::kHypertextureNames.size(); ++i) {
     if (kind == produce::kHypertextureNames[i]) {
-      return some(hypertexture(path, static_cast<produce::HypertextureKind>(i)));
+      return some(hypertexture(path, static_cast<produce::HypertextureKind>(i), parts));
     }
   }
   return std::optional<Scene>();
@@ -106,13 +146,29 @@ Result<std::optional<Scene>> open_of_mesh(const std::string& kind, const std::st
 
 }  // namespace
 
-Result<std::optional<Scene>> open_built_in_scene(const std::string& name) {
+std::size_t file_position(const std::string& scene) {
+  std::vector<std::string> kinds = {"repeat", "amplify", "distance", "axis-distance"};
+  kinds.insert(kinds.end(), produce::kHypertextureNames.begin(), produce::kHypertextureNames.end());
+  std::size_t begin = 0;
+  bool counted = false;  // a number may follow
+  while (true) {
+    const std::size_t colon = scene.find(':', begin);
+    if (colon == std::string::npos) return begin;
+    const std::string word = scene.substr(begin, colon - begin);
+    const bool number = counted && !word.empty() && word.find_first_not_of("0123456789") == std::string::npos;
+    if (!number && std::find(kinds.begin(), kinds.end(), word) == kinds.end()) return begin;
+    counted = word == "repeat";
+    begin = colon + 1;
+  }
+}
+
+Result<std::optional<Scene>> open_built_in_scene(const std::string& name, GenerateParts& parts) {
   if (name == "sponge") return std::optional(Scene{std::make_shared<produce::SpongeProducer>(), "solid"});
-  if (name == "cloud") return std::optional(cloud());
-  if (name == "terrain") return std::optional(terrain());
+  if (name == "cloud") return std::optional(cloud(parts));
+  if (name == "terrain") return std::optional(terrain(parts));
   const std::size_t colon = name.find(':');
   if (colon == std::string::npos) return std::optional<Scene>();
-  return open_of_mesh(name.substr(0, colon), name.substr(colon + 1));
+  return open_of_mesh(name.substr(0, colon), name.substr(colon + 1), parts);
 }
 
 }  // namespace gvx::app

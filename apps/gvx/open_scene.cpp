@@ -55,16 +55,19 @@ class TemporaryFolder {
 /// ends.
 Result<std::unique_ptr<store::StoreReader>> build_nameless_store(const exec::Device& cpu,
                                                                  const std::string& path,
-                                                                 const io::RawOptions& raw) {
+                                                                 const io::RawOptions& raw,
+                                                                 scene::GenerateParts& parts) {
   GVX_ASSIGN(const auto folder, TemporaryFolder::create());
   const std::string store_path = folder->path() + "/volume.gvx";
   Progress progress("building a temporary store (gvx build keeps it)", "");
   const auto show = [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); };
   if (io::is_mesh_name(path)) {
-    MeshFlags flags;
-    GVX_ASSIGN(produce::MeshStoreOptions options, flags.parse());
+    produce::MeshStoreOptions options;
+    if (parts.resolution) options.resolution = *parts.resolution;
+    parts.resolution.reset();
     options.codec = store::Codec::lz4;
-    GVX_ASSIGN(const auto report, build_mesh(cpu, path, store_path, options, flags.fill(), show));
+    GVX_ASSIGN(const auto report,
+               build_mesh(cpu, path, store_path, options, MeshFlags::Fill::automatic, show));
     (void)report;
   } else {
     GVX_ASSIGN(const auto volume, io::open_volume(path, raw));
@@ -99,8 +102,15 @@ scene::ValueStatistics value_statistics(const produce::TreeDescription& tree, st
   return statistics;
 }
 
+namespace {
+
+/// What is typed, with what was said of it that no scene has taken yet.
+Result<Scene> open_part(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw,
+                        scene::GenerateParts& parts);
+
 /// COPIES:SCENE, or SCENE, which is shown 8 times along each axis.
-Result<Scene> open_repeated(const exec::Device& cpu, std::string name, const io::RawOptions& raw) {
+Result<Scene> open_repeated(const exec::Device& cpu, std::string name, const io::RawOptions& raw,
+                            scene::GenerateParts& parts) {
   std::int64_t copies = 8;
   const std::size_t digits = name.find_first_not_of("0123456789");
   if (digits > 0 && digits != std::string::npos && name[digits] == ':') {
@@ -110,35 +120,62 @@ Result<Scene> open_repeated(const exec::Device& cpu, std::string name, const io:
       return Error{"repeat: the number of copies along an axis must be a power of 2, from 2 on"};
     }
   }
-  GVX_ASSIGN(Scene one, open_scene(cpu, name, raw));
+  GVX_ASSIGN(Scene one, open_part(cpu, name, raw, parts));
   const auto levels = static_cast<std::uint32_t>(std::countr_zero(static_cast<std::uint64_t>(copies)));
   auto many = produce::RepeatProducer::create(std::move(one.producer), levels);
   if (!many.ok()) return Error{name + ": " + many.error().message};
   return Scene{std::move(many).value(), one.preset};
 }
 
-Result<Scene> open_amplified(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw) {
-  GVX_ASSIGN(Scene one, open_scene(cpu, name, raw));
-  auto rich = produce::AmplifyProducer::create(std::move(one.producer), {});
+Result<Scene> open_amplified(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw,
+                             scene::GenerateParts& parts) {
+  produce::AmplifyOptions options;
+  options.levels = static_cast<std::uint32_t>(parts.levels.value_or(options.levels));
+  options.strength = parts.strength.value_or(options.strength);
+  options.gain = parts.gain.value_or(options.gain);
+  options.seed = static_cast<std::uint32_t>(parts.seed.value_or(options.seed));
+  parts.levels.reset(), parts.seed.reset();
+  parts.strength.reset(), parts.gain.reset();
+  GVX_ASSIGN(Scene one, open_part(cpu, name, raw, parts));
+  auto rich = produce::AmplifyProducer::create(std::move(one.producer), options);
   if (!rich.ok()) return Error{name + ": " + rich.error().message};
   return Scene{std::move(rich).value(), one.preset};
 }
 
-Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw) {
-  if (name.starts_with("amplify:")) return open_amplified(cpu, name.substr(8), raw);
-  if (name.starts_with("repeat:")) return open_repeated(cpu, name.substr(7), raw);
-  GVX_ASSIGN(std::optional<Scene> built_in, open_built_in_scene(name));
+Result<Scene> open_part(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw,
+                        scene::GenerateParts& parts) {
+  if (name.starts_with("repeat:")) return open_repeated(cpu, name.substr(7), raw, parts);
+  if (name.starts_with("amplify:")) return open_amplified(cpu, name.substr(8), raw, parts);
+  GVX_ASSIGN(std::optional<Scene> built_in, open_built_in_scene(name, parts));
   if (built_in) return std::move(*built_in);
   GVX_ASSIGN(const bool store, is_store(name));
   std::unique_ptr<store::StoreReader> reader;
   if (store) {
     GVX_ASSIGN(reader, store::StoreReader::open(name));
   } else {
-    GVX_ASSIGN(reader, build_nameless_store(cpu, name, raw));
+    GVX_ASSIGN(reader, build_nameless_store(cpu, name, raw, parts));
   }
   auto producer = std::make_shared<produce::StoreProducer>(std::move(reader));
   const std::string preset = scene::suggest_preset(value_statistics(producer->description(), 0));
   return Scene{std::move(producer), preset};
+}
+
+}  // namespace
+
+Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw,
+                         scene::GenerateParts parts) {
+  GVX_ASSIGN(Scene opened, open_part(cpu, name, raw, parts));
+  for (const auto& [left, what] : {std::pair{parts.levels.has_value(), "levels"},
+                                   {parts.resolution.has_value(), "resolution"},
+                                   {parts.octaves.has_value(), "octaves"},
+                                   {parts.seed.has_value(), "seed"},
+                                   {parts.wavelength.has_value(), "wavelength"},
+                                   {parts.gain.has_value(), "gain"},
+                                   {parts.strength.has_value(), "strength"},
+                                   {parts.thickness.has_value(), "thickness"}}) {
+    if (left) return Error{name + ": generate: " + what + " is nothing that this scene takes"};
+  }
+  return opened;
 }
 
 void RawFlags::add_to(CLI::App& command) {

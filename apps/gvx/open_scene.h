@@ -12,6 +12,7 @@
 #include "gvx/exec/device.h"
 #include "gvx/io/raw.h"
 #include "gvx/produce/producer.h"
+#include "gvx/scene/scene_file.h"
 #include "gvx/scene/transfer_function.h"
 
 namespace gvx::app {
@@ -25,9 +26,11 @@ struct Scene {
   std::string preset;
 };
 
-/// Opens SCENE. Another program's volume is built into a store in the temporary folder that goes when the
+/// Opens SCENE. `parts` say how it is made; an error where the scene takes one of them not. Another program's
+/// volume or mesh is built into a store in the temporary folder that goes when the
 /// program does.
-Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw);
+Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw,
+                         scene::GenerateParts parts);
 
 /// What a transfer function can fit itself to.
 scene::ValueStatistics value_statistics(const produce::TreeDescription& tree, std::size_t channel);

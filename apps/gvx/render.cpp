@@ -180,7 +180,7 @@ Status render(const Options& o) {
   GVX_ASSIGN(scene::SceneFile scene, read_command(o));
   GVX_ASSIGN(const exec::Device device, open_device(o));
   GVX_ASSIGN(const Scene opened,
-             open_scene(exec::Device::cpu(o.threads), *scene.volume, raw_options(scene.raw)));
+             open_scene(exec::Device::cpu(o.threads), *scene.volume, raw_options(scene.raw), scene.generate));
   GVX_ASSIGN(scene, complete(scene, o.flags, opened));
   GVX_ASSIGN(const auto path, camera_path(scene));
   GVX_ASSIGN(render::View view, make_view(scene, opened));
@@ -209,8 +209,10 @@ Command add_render(CLI::App& program) {
   command
       ->add_option(
           "scene", o->scene,
-          "A .gvx store, a volume file (see gvx build), sponge, or a scene file (.json), whose fields the "
-          "flags of a scene override")
+          "A .gvx store, a volume or mesh file (see gvx build), sponge, cloud, terrain, hypertexture:MESH "
+          "(or "
+          "pseudo-mesh: ramp: blurred: solid-noise:), distance:MESH, axis-distance:MESH, repeat:SCENE, "
+          "amplify:SCENE, or a scene file (.json), whose fields the flags of a scene override")
       ->required();
   command->add_option("-o,--output", o->output, "The picture to write, .png or .exr")->required();
   CLI::Option* exact = command->add_flag("--exact", o->exact, "Until no ray lacks anything (the default)");

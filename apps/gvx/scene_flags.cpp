@@ -100,11 +100,28 @@ void SceneFlags::add_to(CLI::App& command) {
       "--detail", detail_,
       "Voxels across a pixel where levels of detail are chosen: 2 is sharp, 1 loads a quarter (2)");
   raw_.add_to(command);
+  add_generate_to(command);
+}
+
+void SceneFlags::add_generate_to(CLI::App& command) {
+  const char* group = "Scenes that are made (docs/scene-file.md says which take what)";
+  const auto add = [&](const char* name, auto& value, const char* what) {
+    command.add_option(name, value, what)->group(group);
+  };
+  add("--levels", generate_.levels, "Levels of the tree, the root included");
+  add("--resolution", generate_.resolution, "Voxels along the longest side of a mesh");
+  add("--octaves", generate_.octaves, "Octaves of noise");
+  add("--wavelength", generate_.wavelength, "Length of the noise's first wave, in the cube's sides");
+  add("--gain", generate_.gain, "How strong an octave of noise is, beside the one before");
+  add("--seed", generate_.seed, "Another seed is other noise");
+  add("--strength", generate_.strength, "How strong the noise is");
+  add("--thickness", generate_.thickness, "Thickness of the shell around a surface, in the cube's sides");
 }
 
 Status SceneFlags::apply(scene::SceneFile& scene) const {
   if (!volume_.empty()) scene.volume = volume_;
   GVX_TRY(apply_raw(scene.raw));
+  apply_generate(scene.generate);
   if (!size_.empty()) {
     GVX_ASSIGN(const Size size, parse_size(size_));
     scene.width = size.width;
@@ -156,6 +173,20 @@ Status SceneFlags::apply_raw(scene::RawParts& raw) const {
   if (given.spacing) raw.spacing = given.spacing;
   if (given.components) raw.components = given.components;
   return {};
+}
+
+void SceneFlags::apply_generate(scene::GenerateParts& parts) const {
+  const auto lay = [](auto& over, const auto& given) {
+    if (given) over = given;
+  };
+  lay(parts.levels, generate_.levels);
+  lay(parts.resolution, generate_.resolution);
+  lay(parts.octaves, generate_.octaves);
+  lay(parts.wavelength, generate_.wavelength);
+  lay(parts.gain, generate_.gain);
+  lay(parts.seed, generate_.seed);
+  lay(parts.strength, generate_.strength);
+  lay(parts.thickness, generate_.thickness);
 }
 
 Result<scene::Camera> SceneFlags::camera(const scene::Camera& base) const {

@@ -35,6 +35,8 @@ class SceneFlags {
  private:
   Status apply_lighting(scene::LightingParts& lighting) const;
   Status apply_raw(scene::RawParts& raw) const;
+  void add_generate_to(CLI::App& command);
+  void apply_generate(scene::GenerateParts& parts) const;
 
   std::string volume_, size_, camera_, mode_, classification_, clip_, background_, gradients_;
   std::vector<std::string> key_frames_, functions_, lights_;
@@ -43,6 +45,7 @@ class SceneFlags {
   bool shaded_ = true, transparent_ = false, finest_ = false;
   CLI::Option *shaded_option_ = nullptr, *transparent_option_ = nullptr, *finest_option_ = nullptr;
   RawFlags raw_;
+  scene::GenerateParts generate_;
 };
 
 }  // namespace gvx::app

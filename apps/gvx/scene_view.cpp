@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "built_in_scenes.h"
 #include "gvx/io/transfer_function_file.h"
 
 namespace gvx::app {
@@ -72,7 +73,10 @@ Status check_isovalue(const scene::SceneFile& scene, const SceneFlags& flags,
 
 template <typename Rename>
 void rename_files(scene::SceneFile& scene, Rename rename) {
-  if (scene.volume) scene.volume = rename(*scene.volume);
+  if (scene.volume) {
+    const std::size_t file = file_position(*scene.volume);
+    scene.volume = scene.volume->substr(0, file) + rename(scene.volume->substr(file));
+  }
   for (scene::FunctionParts& function : scene.functions) {
     if (!function.from.empty() && !is_preset(function.from)) function.from = rename(function.from);
   }

@@ -2,8 +2,13 @@
 /// Meshes of which everything is known, for tests.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
+#include <utility>
+#include <vector>
 
 #include "gvx/io/mesh.h"
 

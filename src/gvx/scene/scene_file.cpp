@@ -28,6 +28,12 @@ constexpr NumberRange kShininess{0, 10000};
 constexpr NumberRange kRays{1, 8, true};
 constexpr NumberRange kSamples{1, 1000};
 constexpr NumberRange kDetail{0.25, 16};
+constexpr NumberRange kLevels{1, 28, true};
+constexpr NumberRange kResolution{1, 1 << 20, true};
+constexpr NumberRange kOctaves{1, 32, true};
+constexpr NumberRange kSeed{0, 4294967295.0, true};
+constexpr NumberRange kLength{1e-6, 1e6};
+constexpr NumberRange kStrength{0, 1000};
 constexpr std::array<const char*, 8> kTypes = {"u8", "i8", "u16", "i16", "u32", "i32", "f32", "f64"};
 constexpr std::array<const char*, 2> kByteOrders = {"little", "big"};
 
@@ -59,6 +65,25 @@ Result<RawParts> read_raw(const Json& object, const std::string& place) {
   if (const auto count = fields.number("components", kComponents)) raw.components = static_cast<int>(*count);
   GVX_TRY(fields.finish());
   return raw;
+}
+
+Result<GenerateParts> read_generate(const Json& object, const std::string& place) {
+  JsonFields fields(object, place);
+  GenerateParts parts;
+  const auto whole = [&](const char* name, NumberRange range) -> std::optional<std::int64_t> {
+    const auto value = fields.number(name, range);
+    return value ? std::optional(static_cast<std::int64_t>(*value)) : std::nullopt;
+  };
+  parts.levels = whole("levels", kLevels);
+  parts.resolution = whole("resolution", kResolution);
+  parts.octaves = whole("octaves", kOctaves);
+  parts.seed = whole("seed", kSeed);
+  parts.wavelength = fields.number("wavelength", kLength);
+  parts.gain = fields.number("gain", kShare);
+  parts.strength = fields.number("strength", kStrength);
+  parts.thickness = fields.number("thickness", kLength);
+  GVX_TRY(fields.finish());
+  return parts;
 }
 
 CameraParts read_camera_fields(JsonFields& fields, const std::string& place) {
@@ -193,6 +218,7 @@ Result<SceneFile> read_document(const Json& document) {
   SceneFile scene;
   scene.volume = fields.text("volume");
   read_object(fields, "raw", scene.raw, read_raw);
+  read_object(fields, "generate", scene.generate, read_generate);
   if (const auto size = fields.row("size", {kPixels, kPixels})) {
     scene.width = static_cast<std::uint32_t>((*size)[0]);
     scene.height = static_cast<std::uint32_t>((*size)[1]);

@@ -36,6 +36,17 @@ struct RawParts {
   bool operator==(const RawParts&) const = default;
 };
 
+/// What is said of a scene that is made, not loaded; which takes what is in docs/scene-file.md.
+struct GenerateParts {
+  std::optional<std::int64_t> levels;      ///< of the tree, the root included
+  std::optional<std::int64_t> resolution;  ///< voxels along the longest side of a mesh
+  std::optional<std::int64_t> octaves, seed;
+  std::optional<double> wavelength, gain;  ///< of the first octave; of an octave beside the one before
+  std::optional<double> strength, thickness;
+
+  bool operator==(const GenerateParts&) const = default;
+};
+
 struct CameraParts {
   std::optional<Vec3d> eye, target, up;
   std::optional<double> fov_degrees, height_world;  ///< at most one of them
@@ -84,6 +95,7 @@ struct LightingParts {
 struct SceneFile {
   std::optional<std::string> volume;
   RawParts raw;
+  GenerateParts generate;
   std::optional<std::uint32_t> width, height;  ///< both or none
   std::optional<std::uint32_t> antialias;
   CameraParts camera;

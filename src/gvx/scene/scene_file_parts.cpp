@@ -45,6 +45,19 @@ Json to_object(const RawParts& raw) {
   return object;
 }
 
+Json to_object(const GenerateParts& parts) {
+  Json object = Json::object();
+  put(object, "levels", parts.levels);
+  put(object, "resolution", parts.resolution);
+  put(object, "octaves", parts.octaves);
+  put(object, "seed", parts.seed);
+  put(object, "wavelength", parts.wavelength);
+  put(object, "gain", parts.gain);
+  put(object, "strength", parts.strength);
+  put(object, "thickness", parts.thickness);
+  return object;
+}
+
 void put_camera(Json& object, const CameraParts& camera) {
   put(object, "eye", camera.eye);
   put(object, "target", camera.target);
@@ -164,6 +177,7 @@ std::string to_json(const SceneFile& scene) {
   Json document = Json::object(), camera = Json::object(), path = Json::array(), functions = Json::array();
   put(document, "volume", scene.volume);
   put_unless_empty(document, "raw", to_object(scene.raw));
+  put_unless_empty(document, "generate", to_object(scene.generate));
   if (scene.width && scene.height) document["size"] = {*scene.width, *scene.height};
   put(document, "antialias", scene.antialias);
   put_camera(camera, scene.camera);
