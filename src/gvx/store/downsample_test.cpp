@@ -173,6 +173,8 @@ TEST(Planes, of_labels_and_colours_are_kept_apart_at_every_level) {
     VoxelFormat format;
     const char* name;
   };
+  // 255 - 10 c, but for a normal: (2, 1, 2) / 3 times the opacity of 225 of 255.
+  const auto value_of = [](int c) { return c < 4 ? 255 - 10 * c : c == 5 ? 164 : 202; };
   for (const Case& tested : {Case{{VoxelType::u16, VoxelContent::labels, 1}, "labels"},
                              Case{{VoxelType::u8, VoxelContent::color, 4}, "color"},
                              Case{{VoxelType::u8, VoxelContent::color_normal, 7}, "normal"},
@@ -188,8 +190,7 @@ TEST(Planes, of_labels_and_colours_are_kept_apart_at_every_level) {
     for (int z = 0; z < 25; ++z) {
       for (int i = 0; i < 30 * 20; ++i) {
         for (std::uint32_t c = 0; c < info.format.planes; ++c) {
-          const std::uint16_t value =
-              i % 30 < 12 && z < 8 ? 0 : static_cast<std::uint16_t>(255 - 10 * int(c));
+          const std::uint16_t value = i % 30 < 12 && z < 8 ? 0 : static_cast<std::uint16_t>(value_of(int(c)));
           const auto* word = reinterpret_cast<const std::byte*>(&value);
           bytes.insert(bytes.end(), word, word + voxel_bytes(info.format.type));
         }
@@ -210,19 +211,54 @@ TEST(Planes, of_labels_and_colours_are_kept_apart_at_every_level) {
       ASSERT_TRUE(reader->read_brick(key, reader->node(key).value(), brick).ok());
       const std::size_t width = voxel_bytes(info.format.type), texels = plane_texels(8);
       const std::size_t last_full = texels / 2 + 1 * 10 * 10;  // well inside, away from the empty corner
-      for (std::uint32_t c = 0; c < info.format.planes; ++c) {
+      const auto stored = [&](std::uint32_t c) {
         std::uint16_t value = 0;
         std::memcpy(&value, &brick[(c * texels + last_full) * width], width);
-        // Colours seen through a whole block are a little more, level by level; all else is a mean.
+        return value;
+      };
+      for (std::uint32_t c = 0; c < info.format.planes; ++c) {
+        const std::uint16_t value = stored(c);
+        // Colours seen through a whole block are a little more, level by level, and normals go with the
+        // opacity; all else is a mean.
         const bool more = tested.format.content >= VoxelContent::color && c < 4 && l + 1 < info.shape.levels;
-        if (more) {
+        if (c >= 4) {
+          EXPECT_NEAR(value, 127 + stored(3) / 225.0 * (value_of(int(c)) - 127), 2) << l << ' ' << c;
+        } else if (more) {
           EXPECT_GE(value, 254 - 10 * int(c)) << tested.name << ' ' << l << ' ' << c;
         } else {
-          EXPECT_NEAR(value, 255 - 10 * int(c), 1) << tested.name << ' ' << l << ' ' << c;
+          EXPECT_NEAR(value, value_of(int(c)), 1) << tested.name << ' ' << l << ' ' << c;
         }
       }
     }
   }
+}
+
+TEST(Planes, normals_of_a_surface_are_not_shortened_by_what_is_inside) {
+  const std::string path = temporary("surface");
+  VolumeInfo info;
+  info.shape = TreeShape::covering({16, 16, 16}, 2, 8);
+  info.format = {VoxelType::u8, VoxelContent::color_normal, 7};
+  auto writer = StoreWriter::create(path, info.shape).value();
+  PyramidBuilder builder(exec::Device::cpu(2), *writer, info);
+  // Opaque up to x = 7, where the surface faces x.
+  std::vector<std::byte> slice;
+  for (int i = 0; i < 16 * 16; ++i) {
+    const int x = i % 16, full = x <= 7 ? 255 : 0;
+    for (const int v : {full, full, full, full, x == 7 ? 254 : 127, 127, 127}) slice.push_back(std::byte(v));
+  }
+  for (int z = 0; z < 16; ++z) ASSERT_TRUE(builder.push_slices(1, slice).ok());
+  ASSERT_TRUE(builder.finish().ok());
+  const auto reader = StoreReader::open(path).value();
+  std::vector<std::byte> brick(reader->info().brick_bytes());
+  ASSERT_TRUE(reader->read_brick(NodeKey{}, reader->node(NodeKey{}).value(), brick).ok());
+  const auto stored = [&](int x, std::size_t plane) {
+    return static_cast<int>(
+        brick[plane * plane_texels(8) + static_cast<std::size_t>((5 * 10 + 5) * 10 + x + 1)]);
+  };
+  EXPECT_EQ(stored(3, 3), 255);
+  EXPECT_EQ(stored(3, 4), 254);
+  EXPECT_EQ(stored(2, 4), 127);
+  EXPECT_EQ(stored(3, 5), 127);
 }
 
 }  // namespace
