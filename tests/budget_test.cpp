@@ -185,7 +185,7 @@ TEST(Budget, makes_what_a_moving_camera_will_need_while_it_waits_for_nothing) {
     }
     // What is made for later is taken in by later frames.
     std::uint64_t before = 0;
-    for (int still = 0; still < 100; ++still) {
+    for (int still = 0; still < 300; ++still) {
       ASSERT_TRUE(engine->render_for(2s).ok());
       if (engine->residency().resident_bricks() != before) still = 0;
       before = engine->residency().resident_bricks();

@@ -103,7 +103,11 @@ Result<Scene> hypertexture(const std::string& path, produce::HypertextureKind ki
   // As wide as the coarsest voxels' shell, and no wider than the cube's margin lets be seen.
   const double reach = produce::HypertextureField::reach(options, 1.0 / 16);
   GVX_ASSIGN(const MeshScene mesh, open_mesh(path, 0.1, tree));
-  auto distance = std::make_shared<produce::MeshDistanceField>(mesh.query, reach);
+  std::shared_ptr<const produce::Field> distance =
+      std::make_shared<produce::MeshDistanceField>(mesh.query, reach);
+  const bool shell =
+      kind != produce::HypertextureKind::pseudo_mesh && kind != produce::HypertextureKind::solid_noise;
+  if (shell) distance = std::make_shared<produce::SparseField>(std::move(distance), options.thickness);
   return Scene{std::make_shared<produce::FieldProducer>(
                    mesh.tree, std::make_shared<produce::HypertextureField>(std::move(distance), options)),
                kind == produce::HypertextureKind::blurred ? "cloud" : "solid"};

@@ -104,6 +104,62 @@ ValueRange HypertextureField::bounds(const Box3d& box, double coarsest_spacing) 
   return range;
 }
 
+std::uint32_t SparseField::stride_at(double spacing) const {
+  std::uint32_t stride = kMostStride;
+  while (stride > 1 && 4 * stride * spacing > detail_) stride /= 2;
+  return stride;
+}
+
+void SparseField::sample(const VoxelBlock& block, std::span<float> values) const {
+  const auto stride = static_cast<std::int64_t>(stride_at(block.spacing));
+  if (stride == 1) return field_->sample(block, values);
+  // The block's first voxel and the first that is found, counted from the cube's corner.
+  std::int64_t begin[3], low[3];
+  std::int64_t most = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    begin[axis] = std::llround(block.first[axis] / block.spacing - 0.5);
+    low[axis] = (begin[axis] + (begin[axis] < 0 ? 1 - stride : 0)) / stride * stride;
+    most = std::max(most, begin[axis] + block.edge - 1 - low[axis]);
+  }
+  const auto edge = static_cast<std::uint32_t>((most + stride - 1) / stride + 1);
+  const auto centre = [&](int axis) { return (static_cast<double>(low[axis]) + 0.5) * block.spacing; };
+  const VoxelBlock sparse{
+      {centre(0), centre(1), centre(2)}, static_cast<double>(stride) * block.spacing, edge};
+  std::vector<float> found(sparse.voxels());
+  field_->sample(sparse, found);
+  const auto at = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+    return found[static_cast<std::size_t>((z * edge + y) * edge + x)];
+  };
+  const auto mix = [](float a, float b, float share) { return a + share * (b - a); };
+  std::size_t i = 0;
+  for (std::int64_t z = begin[2] - low[2], k = 0; k < block.edge; ++k, ++z) {
+    for (std::int64_t y = begin[1] - low[1], j = 0; j < block.edge; ++j, ++y) {
+      for (std::int64_t x = begin[0] - low[0], h = 0; h < block.edge; ++h, ++x) {
+        const auto cell = [&](std::int64_t v) { return std::min<std::int64_t>(v / stride, edge - 2); };
+        const std::int64_t cx = cell(x), cy = cell(y), cz = cell(z);
+        const auto share = [&](std::int64_t v, std::int64_t c) {
+          return static_cast<float>(v - c * stride) / static_cast<float>(stride);
+        };
+        const float u = share(x, cx), v = share(y, cy), w = share(z, cz);
+        const float front = mix(mix(at(cx, cy, cz), at(cx + 1, cy, cz), u),
+                                mix(at(cx, cy + 1, cz), at(cx + 1, cy + 1, cz), u), v);
+        const float back = mix(mix(at(cx, cy, cz + 1), at(cx + 1, cy, cz + 1), u),
+                               mix(at(cx, cy + 1, cz + 1), at(cx + 1, cy + 1, cz + 1), u), v);
+        values[i++] = mix(front, back, w);
+      }
+    }
+  }
+}
+
+ValueRange SparseField::bounds(const Box3d& box, double coarsest_spacing) const {
+  ValueRange range = field_->bounds(box, coarsest_spacing);
+  // As far as what is mixed is away, and rounding.
+  const double away = std::sqrt(3.0) * kMostStride * std::min(coarsest_spacing, detail_) + 1e-6;
+  range.minimum -= static_cast<float>(away);
+  range.maximum += static_cast<float>(away);
+  return range;
+}
+
 double BallsField::distance(Vec3d p) const {
   double least = INFINITY;
   for (const Ball& ball : balls_) least = std::min(least, length(p - ball.centre) - ball.radius);

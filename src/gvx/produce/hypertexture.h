@@ -50,6 +50,26 @@ class HypertextureField final : public Field {
   HypertextureOptions options_;
 };
 
+/// A field that changes no faster than a distance, found at every second or fourth voxel where that is fine
+/// enough, and mixed between (the report: "low-resolution bricks of the distance field"). Which ones depends
+/// on where they are and not on the block: blocks agree where they meet.
+class SparseField final : public Field {
+ public:
+  /// Found at least four times in `detail`.
+  SparseField(std::shared_ptr<const Field> field, double detail)
+      : field_(std::move(field)), detail_(detail) {}
+
+  void sample(const VoxelBlock& block, std::span<float> values) const override;
+  ValueRange bounds(const Box3d& box, double coarsest_spacing) const override;
+
+ private:
+  static constexpr std::uint32_t kMostStride = 4;
+  std::uint32_t stride_at(double spacing) const;
+
+  std::shared_ptr<const Field> field_;
+  double detail_;
+};
+
 /// The distance to a union of balls, below 0 inside; inside of several no more than a bound of it.
 class BallsField final : public Field {
  public:

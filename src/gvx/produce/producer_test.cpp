@@ -57,6 +57,13 @@ std::shared_ptr<const Producer> make_hypertexture(HypertextureKind kind) {
       std::make_shared<HypertextureField>(std::make_shared<BallsField>(cumulus_balls(3)), options), 16);
 }
 
+std::shared_ptr<const Producer> make_sparse_hypertexture() {
+  const HypertextureOptions options;
+  auto sparse =
+      std::make_shared<SparseField>(std::make_shared<BallsField>(cumulus_balls(3)), options.thickness);
+  return make_density(std::make_shared<HypertextureField>(std::move(sparse), options), 16);
+}
+
 std::shared_ptr<const Producer> repeated(std::shared_ptr<const Producer> volume, std::uint32_t levels) {
   return RepeatProducer::create(std::move(volume), levels).value();
 }
@@ -76,6 +83,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"store", make_store_producer}, Case{"field", make_field_producer},
         Case{"terrain", [] { return make_density(std::make_shared<TerrainField>(TerrainOptions{}), 8); }},
         Case{"hypertexture", [] { return make_hypertexture(HypertextureKind::hypertexture); }},
+        Case{"sparse_hypertexture", make_sparse_hypertexture},
         Case{"pseudo_mesh", [] { return make_hypertexture(HypertextureKind::pseudo_mesh); }},
         Case{"ramp", [] { return make_hypertexture(HypertextureKind::ramp); }},
         Case{"blurred", [] { return make_hypertexture(HypertextureKind::blurred); }},
@@ -154,6 +162,28 @@ TEST(SpongeProducer, is_the_root_again_in_20_of_27_places_at_every_depth) {
     for (int i = 0; i < 27; ++i) again += sponge.canonical(child(at, 3, i)) == NodeKey{} ? 1 : 0;
     EXPECT_EQ(again, 20);
     at = child(at, 3, depth % 2 == 0 ? 0 : 26);
+  }
+}
+
+TEST(SparseField, is_near_the_field_and_the_same_in_blocks_that_overlap) {
+  const auto balls = std::make_shared<BallsField>(std::vector<BallsField::Ball>{{Vec3d(0.5), 0.3}});
+  const SparseField sparse(balls, 0.06);
+  for (const double voxels : {64.0, 256.0, 1024.0}) {
+    const double spacing = 1 / voxels;
+    const auto block_at = [&](double x) {
+      return VoxelBlock{spacing * (Vec3d(x, std::floor(0.4 * voxels), std::floor(0.5 * voxels)) - Vec3d(0.5)),
+                        spacing, 18};
+    };
+    const double start = std::floor(0.2 * voxels / 16) * 16;
+    std::vector<float> left(18 * 18 * 18), right(left.size()), exact(left.size());
+    sparse.sample(block_at(start), left);
+    sparse.sample(block_at(start + 16), right);
+    balls->sample(block_at(start), exact);
+    for (std::size_t i = 0; i < left.size(); ++i) ASSERT_NEAR(left[i], exact[i], 4e-4) << voxels;
+    for (std::size_t row = 0; row < left.size(); row += 18) {
+      ASSERT_EQ(left[row + 16], right[row]);
+      ASSERT_EQ(left[row + 17], right[row + 1]);
+    }
   }
 }
 
