@@ -35,9 +35,9 @@ Voxel voxel_of(Vec3f color, float opacity, Vec3f normal) {
     return static_cast<std::uint8_t>(std::lround(std::clamp(v, 0.0f, 255.0f)));
   };
   Voxel voxel{};
-  for (int axis = 0; axis < 3; ++axis) {
-    voxel[static_cast<std::size_t>(axis)] = byte(255 * opacity * color[axis]);
-    voxel[static_cast<std::size_t>(4 + axis)] = byte(127 + 127 * opacity * normal[axis]);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    voxel[axis] = byte(255 * opacity * color[static_cast<int>(axis)]);
+    voxel[4 + axis] = byte(127 + 127 * opacity * normal[static_cast<int>(axis)]);
   }
   voxel[3] = byte(255 * opacity);
   return voxel;

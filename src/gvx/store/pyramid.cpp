@@ -266,11 +266,11 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
   /// its surface. Where they disagree it is short.
   void merge_normals(Level& to, Level& from, Vec3i first, Vec3i last, std::int64_t at, float opacity) {
     std::array<Vec3f, 27> normals{};
-    for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
       std::size_t i = 0;
-      for_each_row(from.planes[static_cast<std::size_t>(4 + axis)], from, first, last, [&](const Voxel* row) {
+      for_each_row(from.planes[4 + axis], from, first, last, [&](const Voxel* row) {
         for (std::int64_t x = first.x; x < last.x; ++x) {
-          normals[i++][axis] = (static_cast<float>(row[x]) - 127) / 127;
+          normals[i++][static_cast<int>(axis)] = (static_cast<float>(row[x]) - 127) / 127;
         }
       });
     }
@@ -281,9 +281,9 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
       lengths += length(normal);
     }
     const Vec3f mean = lengths > 0 ? (opacity / lengths) * sum : Vec3f();
-    for (int axis = 0; axis < 3; ++axis) {
-      slice(to.planes[static_cast<std::size_t>(4 + axis)], to, to.slices)[at] =
-          rounded<Voxel>(127 + 127 * double(std::clamp(mean[axis], -1.0f, 1.0f)));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double held = std::clamp(mean[static_cast<int>(axis)], -1.0f, 1.0f);
+      slice(to.planes[4 + axis], to, to.slices)[at] = rounded<Voxel>(127 + 127 * held);
     }
   }
 
