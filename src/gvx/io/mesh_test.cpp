@@ -32,7 +32,7 @@ TEST(Mesh, ply_is_the_same_as_text_and_in_both_byte_orders) {
                        " 1.0\nelement extra 1\nproperty list uchar short numbers\nelement vertex 3\n"
                        "property double x\nproperty double y\nproperty double z\nelement face 1\n"
                        "property list uchar uint vertex_index\nproperty float area\nend_header\n";
-    const bool big = format[7] == 'b';
+    const bool big = std::string(format) == "binary_big_endian";
     const auto put = [&](auto value, const char* written_out) {
       if (format[0] == 'a') {
         text += std::string(written_out) + "\n";
