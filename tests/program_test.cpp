@@ -202,6 +202,14 @@ TEST_F(Program, builds_a_store_of_a_mesh) {
   EXPECT_EQ(gvx("build open.ply -o o.gvx --resolution 20").status, 0);
   expect_error("build open.ply -o x.gvx --resolution 100000", "--memory");
   expect_error("build open.ply -o x.gvx --labels", "mesh");
+  expect_error("build open.ply -o x.gvx --dims 3,3,3", "a mesh");
+  const Outcome described = gvx("info open.ply --json");
+  ASSERT_EQ(described.status, 0) << described.output;
+  const auto json = nlohmann::json::parse(described.output);
+  EXPECT_EQ(json["triangles"], 1);
+  EXPECT_EQ(json["closed"], false);
+  EXPECT_EQ(json["maximum"], (std::vector<double>{2, 2, 0}));
+  EXPECT_NE(gvx("info open.ply").output.find("open"), std::string::npos);
   EXPECT_FALSE(fs::exists(path("x.gvx")));
   EXPECT_FALSE(fs::exists(path("x.gvx.partial")));
 }

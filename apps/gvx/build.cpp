@@ -38,6 +38,7 @@ Status build_from_mesh(const Options& o, const io::StoreBuildOptions& common) {
   if (o.inputs.size() > 1)
     return Error{path + ": one mesh makes a store; several files are channels of volumes"};
   if (o.labels || !o.type.empty()) return Error{path + ": --labels and --type do not go with a mesh"};
+  if (o.raw.given()) return RawFlags::refuse(path);
   GVX_ASSIGN(produce::MeshStoreOptions options, o.mesh.parse());
   options.n = common.n;
   options.m = common.m;

@@ -5,7 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "gvx/io/mesh.h"
 #include "gvx/io/volume_reader.h"
+#include "gvx/produce/mesh_voxels.h"
 #include "gvx/store/store_reader.h"
 #include "open_scene.h"
 #include "units.h"
@@ -72,6 +74,20 @@ Result<nlohmann::json> describe_volume(const std::string& path, const io::RawOpt
   return j;
 }
 
+Result<nlohmann::json> describe_mesh(const std::string& path) {
+  io::MeshReport report;
+  GVX_ASSIGN(const io::TriangleMesh mesh, io::read_mesh(path, &report));
+  const Box3d box = mesh.bounds();
+  return nlohmann::json{{"format", "mesh"},
+                        {"vertices", mesh.vertices.size()},
+                        {"triangles", mesh.triangles.size()},
+                        {"dropped_triangles", report.dropped},
+                        {"colors", !mesh.colors.empty()},
+                        {"closed", produce::is_closed(mesh)},
+                        {"minimum", {box.minimum.x, box.minimum.y, box.minimum.z}},
+                        {"maximum", {box.maximum.x, box.maximum.y, box.maximum.z}}};
+}
+
 std::string joined(const nlohmann::json& list, const char* separator) {
   std::string text;
   for (const auto& v : list) text += (text.empty() ? "" : separator) + v.dump();
@@ -84,6 +100,15 @@ void print(const std::string& path, const nlohmann::json& j) {
     std::printf("  %-12s %s\n", name, value.c_str());
   };
   row("format", j["format"]);
+  if (j.contains("triangles")) {
+    row("triangles",
+        j["triangles"].dump() + ", and " + j["dropped_triangles"].dump() + " that cover nothing");
+    row("vertices", j["vertices"].dump() + (j["colors"] ? ", with colours" : ""));
+    row("surface", j["closed"] ? "closed" : "open");
+    row("from", joined(j["minimum"], ", "));
+    row("to", joined(j["maximum"], ", "));
+    return;
+  }
   row("voxels", joined(j["dimensions"], " x ") + " " + j["type"].get<std::string>());
   if (j["content"] != "scalar" || j["planes"] != 1) {
     row("content", j["content"].get<std::string>() + ", " + j["planes"].dump() + " numbers a voxel");
@@ -108,16 +133,21 @@ void print(const std::string& path, const nlohmann::json& j) {
 
 Command add_info(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("info", "Say what is in a store or a volume file");
-  command->add_option("path", options->path, "A .gvx store, or a RAW, NRRD, NIfTI or MetaImage file")
+  CLI::App* command = program.add_subcommand("info", "Say what is in a store, a volume file or a mesh");
+  command
+      ->add_option("path", options->path,
+                   "A .gvx store, a RAW, NRRD, NIfTI or MetaImage file, or a mesh (PLY, OBJ, STL, glTF)")
       ->required();
   command->add_flag("--json", options->json, "As JSON");
   options->raw.add_to(*command);
   return [options]() -> Status {
     GVX_ASSIGN(const bool store, is_store(options->path));
     GVX_ASSIGN(const io::RawOptions raw, options->raw.parse());
-    GVX_ASSIGN(const nlohmann::json j,
-               store ? describe_store(options->path) : describe_volume(options->path, raw));
+    const bool mesh = !store && io::is_mesh_name(options->path);
+    if (mesh && options->raw.given()) return options->raw.refuse(options->path);
+    GVX_ASSIGN(const nlohmann::json j, store  ? describe_store(options->path)
+                                       : mesh ? describe_mesh(options->path)
+                                              : describe_volume(options->path, raw));
     if (options->json) {
       std::printf("%s\n", j.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     } else {

@@ -190,6 +190,15 @@ void RawFlags::add_to(CLI::App& command) {
   command.add_option("--spacing", spacing_, "Size of a voxel along X,Y,Z, of any format")->group(group);
 }
 
+bool RawFlags::given() const {
+  return !dims_.empty() || !dtype_.empty() || !endian_.empty() || !spacing_.empty() || offset_ || components_;
+}
+
+Error RawFlags::refuse(const std::string& path) {
+  return Error{path +
+               ": a mesh: --dims, --dtype, --endian, --components, --offset and --spacing say nothing of it"};
+}
+
 Result<io::RawOptions> RawFlags::parse() const {
   io::RawOptions raw;
   raw.offset = offset_;

@@ -40,6 +40,10 @@ class RawFlags {
  public:
   void add_to(CLI::App& command);
   Result<io::RawOptions> parse() const;
+  /// Was any of them given?
+  bool given() const;
+  /// The error for input that they say nothing of.
+  static Error refuse(const std::string& path);
 
  private:
   std::string dims_, dtype_, endian_, spacing_;
