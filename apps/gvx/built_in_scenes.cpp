@@ -100,7 +100,7 @@ Result<Scene> hypertexture(const std::string& path, produce::HypertextureKind ki
   take(options.strength, parts.strength);
   take(options.thickness, parts.thickness);
   take_levels(tree, parts);
-  // As wide as the coarsest voxels' shell, and no wider than the cube's margin lets be seen.
+  // As wide as the root's voxels make the shell.
   const double reach = produce::HypertextureField::reach(options, 1.0 / 16);
   GVX_ASSIGN(const MeshScene mesh, open_mesh(path, 0.1, tree));
   std::shared_ptr<const produce::Field> distance =

@@ -102,8 +102,8 @@ Status AmplifyProducer::describe(std::span<const NodeKey> keys, std::span<tree::
 Status AmplifyProducer::produce(const NodeKey& key, std::span<std::byte> voxels) const {
   const NodeKey above = in_volume(key);
   if (key.level <= finest_) return volume_->produce(above, voxels);
-  thread_local std::vector<std::byte> coarse;
-  coarse.assign(description_.brick_bytes(), std::byte{0});
+  // Not the thread's: the volume may be amplified itself.
+  std::vector<std::byte> coarse(description_.brick_bytes());
   GVX_TRY(volume_->produce(above, coarse));
   const int m = static_cast<int>(description_.m), edge = m + 2;
   const double parts = nodes_across(static_cast<int>(description_.n), key.level - finest_);

@@ -213,6 +213,33 @@ TEST(AmplifyProducer, adds_detail_below_the_volumes_levels_and_nothing_at_them) 
   EXPECT_GT(changes, 50);
 }
 
+TEST(AmplifyProducer, goes_on_from_what_is_amplified_already) {
+  // With no noise of its own the outer one mixes between the inner one's voxels.
+  const auto inner = amplified(make_store_producer());
+  AmplifyOptions still;
+  still.levels = 1;
+  still.strength = 0;
+  const auto outer = AmplifyProducer::create(inner, still).value();
+  const std::uint32_t finest = inner->description().max_level;
+  std::vector<std::byte> coarse(inner->description().brick_bytes()), fine(coarse.size());
+  ASSERT_TRUE(inner->produce({finest, 10, 10, 10}, coarse).ok());
+  ASSERT_TRUE(outer->produce({finest + 1, 20, 20, 20}, fine).ok());
+  const auto at = [](const std::vector<std::byte>& brick, int x, int y, int z) {
+    return static_cast<double>(brick[static_cast<std::size_t>((z * 10 + y) * 10 + x)]);
+  };
+  for (int x = 1; x < 9; ++x) {
+    double sum = 0;
+    // A voxel of half the width is a quarter of one beside the middle of that which holds it.
+    for (int i = 0; i < 8; ++i) {
+      const auto place = [&](int v, bool other) { return (v + 1) / 2 + (other ? (v % 2 == 0 ? 1 : -1) : 0); };
+      const auto weight = [](bool other) { return other ? 0.25 : 0.75; };
+      const bool a = (i & 1) != 0, b = (i & 2) != 0, c = (i & 4) != 0;
+      sum += weight(a) * weight(b) * weight(c) * at(coarse, place(x, a), place(4, b), place(5, c));
+    }
+    EXPECT_NEAR(at(fine, x, 4, 5), sum, 0.51) << x;
+  }
+}
+
 TEST(RepeatProducer, copies_share_all_nodes_and_have_the_volumes_bricks) {
   const auto one = make_store_producer(), many = repeated(one, 3);
   const TreeDescription& tree = many->description();
