@@ -194,11 +194,6 @@ bool same_bytes(SampleType from, const Conversion& c) {
          (from == SampleType::u16 && c.type == VoxelType::u16);
 }
 
-/// As --memory takes it.
-std::string mebibytes(std::uint64_t bytes) {
-  return std::to_string((bytes + (1 << 20) - 1) >> 20) + "M";
-}
-
 }  // namespace
 
 Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reader, const std::string& path,
@@ -220,9 +215,9 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reade
   const std::uint64_t needed = store::PyramidBuilder::window_bytes(info.shape, info.format) +
                                std::min(store::saturating_product(batch * buffers, slice), UINT64_MAX / 2);
   if (needed > options.memory_bytes) {
-    return Error{d.path + ": building needs " + mebibytes(needed) + " of memory for slices of " +
+    return Error{d.path + ": building needs " + store::mebibytes(needed) + " of memory for slices of " +
                  std::to_string(d.dimensions.x) + " x " + std::to_string(d.dimensions.y) + " voxels; " +
-                 mebibytes(options.memory_bytes) +
+                 store::mebibytes(options.memory_bytes) +
                  " are allowed (--memory), and smaller bricks (--brick) need less"};
   }
 

@@ -219,10 +219,6 @@ class MeshVoxels {
   Vec3f inner_color_{0.8f, 0.8f, 0.8f};
 };
 
-std::string mebibytes(std::uint64_t bytes) {
-  return std::to_string((bytes + (1 << 20) - 1) >> 20) + "M";
-}
-
 }  // namespace
 
 bool is_closed(const io::TriangleMesh& mesh) {
@@ -269,7 +265,7 @@ Result<MeshStoreReport> build_mesh_store(const exec::Device& cpu, io::TriangleMe
                                mesh.vertices.size() * kBytesPerVertex;
   if (needed > options.memory_bytes) {
     return Error{options.source + ": " + std::to_string(options.resolution) + " voxels across need " +
-                 mebibytes(needed) + " of memory; " + mebibytes(options.memory_bytes) +
+                 store::mebibytes(needed) + " of memory; " + store::mebibytes(options.memory_bytes) +
                  " are allowed (--memory)"};
   }
   for (Vec3f& v : mesh.vertices) v = Vec3f((Vec3d(v) - info.voxel_to_world.origin) / voxel);

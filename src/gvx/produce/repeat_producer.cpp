@@ -1,9 +1,9 @@
 #include "gvx/produce/repeat_producer.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <vector>
+
+#include "gvx/store/downsample.h"
 
 namespace gvx::produce {
 
@@ -88,7 +88,7 @@ void RepeatProducer::average(std::span<const std::byte> root, std::uint32_t leve
           }
         }
         const double mean = sum / static_cast<double>(part * part * part);
-        Voxel value = static_cast<Voxel>(std::is_same_v<Voxel, float> ? mean : std::floor(mean + 0.5));
+        Voxel value = store::rounded<Voxel>(mean);
         // Classes have no mean.
         if (labels) value = at(first + Vec3i(part / 2));
         one[static_cast<std::size_t>(i)] = value;

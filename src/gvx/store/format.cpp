@@ -57,6 +57,10 @@ std::uint64_t TreeShape::nodes() const {
   return all;
 }
 
+std::string mebibytes(std::uint64_t bytes) {
+  return std::to_string((bytes + (1 << 20) - 1) >> 20) + "M";
+}
+
 std::string node_name(const NodeKey& key) {
   return "node (level " + std::to_string(key.level) + ": " + std::to_string(key.x) + ", " +
          std::to_string(key.y) + ", " + std::to_string(key.z) + ")";

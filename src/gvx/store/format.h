@@ -97,6 +97,9 @@ inline std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b) {
   return __builtin_mul_overflow(a, b, &product) ? UINT64_MAX : product;
 }
 
+/// As --memory takes it: "300M", rounded up.
+std::string mebibytes(std::uint64_t bytes);
+
 /// "node (level 3: 1, 2, 0)".
 std::string node_name(const NodeKey& key);
 
