@@ -28,7 +28,7 @@ class LatticeOfBalls final : public gvx::produce::Producer {
                        std::span<gvx::tree::NodeInfo> infos) const override {
     for (std::size_t i = 0; i < keys.size(); ++i) {
       const double nodes = gvx::nodes_across(2, keys[i].level), voxel = 1 / (nodes * tree_.m);
-      const gvx::Vec3d middle = (gvx::Vec3d(keys[i].x, keys[i].y, keys[i].z) + gvx::Vec3d(0.5)) / nodes;
+      const gvx::Vec3d middle = (gvx::corner(keys[i]) + gvx::Vec3d(0.5)) / nodes;
       // From the middle to the corners of the node and its rim of two voxels; as far as a voxel is soft.
       const double reach = std::sqrt(3.0) * (0.5 / nodes + 2 * voxel) + 2 * voxel, d = distance(middle);
       const gvx::ValueRange range = d > reach    ? gvx::ValueRange{0, 0}
@@ -42,7 +42,7 @@ class LatticeOfBalls final : public gvx::produce::Producer {
   gvx::Status produce(const gvx::NodeKey& key, std::span<std::byte> voxels) const override {
     const int m = static_cast<int>(tree_.m);
     const double voxel = 1 / (gvx::nodes_across(2, key.level) * m);
-    const gvx::Vec3d first = double(m) * gvx::Vec3d(key.x, key.y, key.z) + gvx::Vec3d(0.5);
+    const gvx::Vec3d first = double(m) * gvx::corner(key) + gvx::Vec3d(0.5);
     std::size_t i = 0;
     for (int z = -1; z <= m; ++z) {
       for (int y = -1; y <= m; ++y) {

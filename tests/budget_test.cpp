@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "gvx/produce/sponge_producer.h"
 #include "test_scenes.h"
 
 namespace gvx::tests {
@@ -214,7 +213,7 @@ class Torn final : public produce::Producer {
     return whole_->describe(keys, infos);
   }
   Status produce(const NodeKey& key, std::span<std::byte> voxels) const override {
-    if (key.x / std::exp2(double(key.level)) >= x_) return Error{"torn"};
+    if (corner(key).x / std::exp2(double(key.level)) >= x_) return Error{"torn"};
     return whole_->produce(key, voxels);
   }
 
@@ -245,53 +244,6 @@ TEST(Budget, what_is_torn_beside_the_picture_is_no_error) {
   scene.view.camera.target.x += 20;
   ASSERT_TRUE(engine->look(scene.view).ok());
   EXPECT_FALSE(engine->render_exact().ok());
-}
-
-TEST(Sponge, is_shown_from_one_brick_at_any_depth) {
-  const auto sponge = std::make_shared<produce::SpongeProducer>(8);
-  const auto engine = engine::Engine::create(exec::Device::cpu(), sponge, {}).value();
-  render::View view;
-  view.width = view.height = 96;
-  view.functions = {scene::preset("solid", {0, 255, {}}).value()};
-  for (const double distance : {2.0, 1e-2, 1e-5}) {
-    // Down the middle of a corner edge, which is solid at every depth.
-    view.camera = {Vec3d(-1, -1.3, 1.1) * distance, {0, 0, 0}, {0, 0, 1}, 40, 0};
-    ASSERT_TRUE(engine->look(view).ok());
-    ASSERT_TRUE(engine->render_exact().ok());
-    const engine::Statistics s = engine->statistics();
-    EXPECT_EQ(s.bricks_resident, 1u);
-    EXPECT_EQ(s.nodes_resident, 28u);
-    double lit = 0;
-    const render::Picture picture = engine->picture();
-    for (std::size_t i = 0; i < picture.rgba.size(); i += 4) lit += picture.rgba[i] > 0.1f ? 1 : 0;
-    EXPECT_GT(lit, 500) << distance;
-    // The walls of holes are darker than the outside at every depth.
-    view.lighting.enabled = false;
-    ASSERT_TRUE(engine->look(view).ok());
-    ASSERT_TRUE(engine->render_exact().ok());
-    EXPECT_LT(psnr(picture, engine->picture()), 22) << distance;
-    view.lighting.enabled = true;
-  }
-}
-
-TEST(Sponge, is_the_same_seen_from_a_third_of_the_way) {
-  // Self-similarity: a third of the distance, a third of the cube, the same picture up to the rounding of
-  // levels.
-  const auto sponge = std::make_shared<produce::SpongeProducer>(8);
-  const auto engine = engine::Engine::create(exec::Device::cpu(), sponge, {}).value();
-  render::View view;
-  view.width = view.height = 96;
-  view.functions = {scene::preset("solid", {0, 255, {}}).value()};
-  view.camera = {{-1.5, -2, 1.7}, {0.1, 0.1, 0.1}, {0, 0, 1}, 12, 0};
-  ASSERT_TRUE(engine->look(view).ok());
-  ASSERT_TRUE(engine->render_exact().ok());
-  const render::Picture whole = engine->picture();
-  view.camera.eye = view.camera.eye / 3.0;
-  view.camera.target = view.camera.target / 3.0;
-  view.clip = {{0, 0, 0}, {1.0 / 3, 1.0 / 3, 1.0 / 3}};
-  ASSERT_TRUE(engine->look(view).ok());
-  ASSERT_TRUE(engine->render_exact().ok());
-  EXPECT_GE(psnr(engine->picture(), whole), 30);
 }
 
 }  // namespace

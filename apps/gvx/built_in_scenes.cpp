@@ -167,7 +167,13 @@ std::size_t file_position(const std::string& scene) {
 }
 
 Result<std::optional<Scene>> open_built_in_scene(const std::string& name, GenerateParts& parts) {
-  if (name == "sponge") return std::optional(Scene{std::make_shared<produce::SpongeProducer>(), "solid"});
+  using Nodes = produce::SpongeProducer::Nodes;
+  for (const auto& [sponge, nodes] :
+       {std::pair{"sponge", Nodes::shared}, std::pair{"stored-sponge", Nodes::stored}}) {
+    if (name == sponge) {
+      return std::optional(Scene{std::make_shared<produce::SpongeProducer>(16, nodes), "solid"});
+    }
+  }
   if (name == "cloud") return std::optional(cloud(parts));
   if (name == "terrain") return std::optional(terrain(parts));
   const std::size_t colon = name.find(':');

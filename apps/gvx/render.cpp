@@ -1,5 +1,6 @@
 // gvx render SCENE -o OUT.png: a picture of a scene.
 
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -22,6 +23,7 @@ namespace {
 struct Options {
   std::string scene, output, budget, frames, memory = "512M", device = "cpu", stats, save_scene;
   int threads = 0, budget_frames = 1;
+  double zoom = 0;  // 0: an orbit
   bool exact = false, quiet = false;
   SceneFlags flags;
 };
@@ -140,8 +142,10 @@ Result<engine::Statistics> render_frames(const Studio& studio, render::View view
   };
   engine::Statistics statistics;
   for (int frame = frames.first; frame <= frames.last; ++frame) {
-    view.camera =
-        path ? path->at(frame) : scene::orbit(camera, 360.0 * (frame - frames.first) / frames.count());
+    const double part = double(frame - frames.first) / frames.count();
+    view.camera = path         ? path->at(frame)
+                  : o.zoom > 0 ? scene::zoom(camera, std::pow(o.zoom, part))
+                               : scene::orbit(camera, 360 * part);
     const std::string file = frame_file(o.output, frame);
     const auto rendered = render_frame(file);
     if (!rendered.ok()) return Error{"frame " + std::to_string(frame) + ": " + rendered.error().message};
@@ -209,7 +213,8 @@ Command add_render(CLI::App& program) {
   command
       ->add_option(
           "scene", o->scene,
-          "A .gvx store, a volume or mesh file (see gvx build), sponge, cloud, terrain, hypertexture:MESH "
+          "A .gvx store, a volume or mesh file (see gvx build), sponge, stored-sponge, cloud, terrain, "
+          "hypertexture:MESH "
           "(or "
           "pseudo-mesh: ramp: blurred: solid-noise:), distance:MESH, axis-distance:MESH, repeat:SCENE, "
           "amplify:SCENE, or a scene file (.json), whose fields the flags of a scene override")
@@ -228,6 +233,13 @@ Command add_render(CLI::App& program) {
           "N or A-B: a numbered picture of each frame of the camera path, or of an orbit about the target; "
           "%04d in the picture's name is where the number stands")
       ->excludes(budget);
+  command
+      ->add_option(
+          "--zoom", o->zoom,
+          "Without a camera path, frames come nearer to the target instead of an orbit: as many times "
+          "in all, by the same factor each")
+      ->check(CLI::Range(1e-30, 1e30))
+      ->needs("--frames");
   command->add_option("--memory", o->memory, "Bound of the brick pool")->capture_default_str();
   command->add_option("--threads", o->threads, "Threads; 0 takes all cores")->check(CLI::Range(0, 1024));
   command->add_option("--device", o->device, "Where to render")

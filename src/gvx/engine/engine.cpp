@@ -1,6 +1,7 @@
 #include "gvx/engine/engine.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <new>
 #include <numeric>
@@ -47,9 +48,9 @@ std::chrono::nanoseconds share_of(std::chrono::nanoseconds budget, double share)
 }
 
 Status check(const produce::TreeDescription& tree) {
-  if (tree.max_level >= render::kMaxLevels) {
+  if (tree.max_level >= kMaxLevels) {
     return Error{"volume: " + std::to_string(tree.max_level + 1) + " levels; the renderer knows " +
-                 std::to_string(render::kMaxLevels)};
+                 std::to_string(kMaxLevels)};
   }
   return check_placement(tree.tree_to_world);
 }
@@ -259,7 +260,8 @@ Status Engine::render_exact() {
 /// Looks how far the first unfinished tile's rays have come. Where they stand still, one of them runs alone:
 /// memory may hold what it needs, though not what two do. An error where that does not help for long.
 Status Engine::check_progress() {
-  std::int64_t progress = -static_cast<std::int64_t>(unfinished_tiles_.size());
+  // Changes with every ray's tick; a sum of ticks would round away the steps of the near ones.
+  std::uint64_t progress = unfinished_tiles_.size();
   std::uint64_t first_unfinished = render::Pass::kAllRays;
   if (!unfinished_tiles_.empty()) {
     const exec::TileGrid grid = film_->grid();
@@ -269,7 +271,7 @@ Status Engine::check_progress() {
       for (std::uint32_t x = x0; x < std::min(x0 + grid.tile, grid.width); ++x) {
         const std::size_t index = std::size_t(y) * grid.width + x;
         const render::RayState& ray = film_->rays()[index];
-        progress += ray.tick + static_cast<std::int64_t>(ray.phase);
+        progress += std::bit_cast<std::uint64_t>(ray.tick) + static_cast<std::uint64_t>(ray.phase);
         if (ray.phase != render::RayPhase::finished && first_unfinished == render::Pass::kAllRays) {
           first_unfinished = index;
         }
@@ -425,6 +427,7 @@ void Engine::prefetch(exec::Deadline deadline) {
   if (!prefetch_ || !camera_before_ || crowded_ || !all_tiles_run || exec::late(deadline)) return;
   const scene::Camera before = *camera_before_;
   render::View view = *view_;
+  if (!(view.camera.origin == before.origin)) return;
   view.camera.eye = view.camera.eye + kFramesAhead * (view.camera.eye - before.eye);
   view.camera.target = view.camera.target + kFramesAhead * (view.camera.target - before.target);
   view.camera.up = view.camera.up + kFramesAhead * (view.camera.up - before.up);

@@ -120,7 +120,7 @@ class Engine {
   bool crowded_ = false;                             // rays wanted more than there was room for
   std::uint64_t lone_ray_ = render::Pass::kAllRays;  // that runs where memory is too small for more
   int stuck_passes_ = 0;                             // in which no ray of a lone screen tile came further
-  std::int64_t progress_ = 0;
+  std::uint64_t progress_ = 0;
   std::uint32_t stamp_ = 0;
   PreviewProgress preview_;
   bool data_came_ = false;                      // since the preview was begun

@@ -119,9 +119,9 @@ TEST_P(RandomWalk, keeps_every_invariant) {
     }
     std::vector<Job> jobs = residency.collect(pass);
     residency.check_invariants();
-    std::map<std::array<std::uint32_t, 5>, int> seen;
+    std::map<std::array<std::uint64_t, 5>, int> seen;
     for (const Job& job : jobs) {
-      const std::array<std::uint32_t, 5> id = {static_cast<std::uint32_t>(job.kind), job.key.level, job.key.x,
+      const std::array<std::uint64_t, 5> id = {static_cast<std::uint64_t>(job.kind), job.key.level, job.key.x,
                                                job.key.y, job.key.z};
       ASSERT_EQ(++seen[id], 1) << "a job was listed twice";
       ASSERT_EQ(producer->canonical(job.key), job.key);

@@ -81,7 +81,7 @@ Status AmplifyProducer::describe(std::span<const NodeKey> keys, std::span<tree::
     info.terminal = keys[i].level == description_.max_level;
     const double n = description_.n, across = nodes_across(static_cast<int>(description_.n), keys[i].level),
                  rim = n / (across * description_.m);
-    const Vec3d low = Vec3d(keys[i].x, keys[i].y, keys[i].z) / across;
+    const Vec3d low = corner(keys[i]) / across;
     // For every footprint there is, so that the bounds of a node hold those below.
     const noise::Interval noise =
         noise_.bounds({low - Vec3d(rim), low + Vec3d(1 / across + rim)}, std::numeric_limits<double>::max());
@@ -107,13 +107,14 @@ Status AmplifyProducer::produce(const NodeKey& key, std::span<std::byte> voxels)
   GVX_TRY(volume_->produce(above, coarse));
   const int m = static_cast<int>(description_.m), edge = m + 2;
   const double parts = nodes_across(static_cast<int>(description_.n), key.level - finest_);
+  const auto whole_parts = static_cast<std::uint64_t>(parts);
   const double across = nodes_across(static_cast<int>(description_.n), key.level), voxel = 1 / (across * m);
   // Where this node's first voxel, of the border, is in its ancestor's brick, in texels.
-  const auto first = [&](std::uint32_t place) {
-    return std::fmod(place, parts) / parts * m + 0.5 - 0.5 / parts;
+  const auto first = [&](std::uint64_t place) {
+    return static_cast<double>(place % whole_parts) / parts * m + 0.5 - 0.5 / parts;
   };
   const Vec3d start(first(key.x), first(key.y), first(key.z));
-  const Vec3d corner = Vec3d(key.x, key.y, key.z) / across - Vec3d(0.5 * voxel);
+  const Vec3d corner = gvx::corner(key) / across - Vec3d(0.5 * voxel);
   std::vector<double> noise(static_cast<std::size_t>(edge));
   with_voxel_type(description_.format.type, [&](auto zero) {
     using Voxel = decltype(zero);

@@ -45,7 +45,7 @@ FieldProducer::FieldProducer(TreeDescription description, FunctionField::Values 
 ValueRange FieldProducer::stored_bounds(const NodeKey& key) const {
   const double n = description_.n, across = nodes_across(static_cast<int>(description_.n), key.level),
                rim = n / (across * description_.m);
-  const Vec3d low = Vec3d(key.x, key.y, key.z) / across;
+  const Vec3d low = corner(key) / across;
   const ValueRange range = field_->bounds({low - Vec3d(rim), low + Vec3d(1 / across + rim)}, rim);
   return with_voxel_type(description_.format.type, [&](auto zero) {
     using Voxel = decltype(zero);
@@ -65,7 +65,7 @@ Status FieldProducer::describe(std::span<const NodeKey> keys, std::span<tree::No
 Status FieldProducer::produce(const NodeKey& key, std::span<std::byte> voxels) const {
   const double m = description_.m,
                voxel = 1 / (nodes_across(static_cast<int>(description_.n), key.level) * m);
-  const VoxelBlock block{voxel * (m * Vec3d(key.x, key.y, key.z) - Vec3d(0.5)), voxel, description_.m + 2};
+  const VoxelBlock block{voxel * (m * corner(key) - Vec3d(0.5)), voxel, description_.m + 2};
   thread_local std::vector<float> values;
   values.resize(block.voxels());
   field_->sample(block, values);

@@ -104,7 +104,7 @@ std::vector<NodeKey> random_nodes(const TreeDescription& tree, int count) {
     const std::uint32_t level = static_cast<std::uint32_t>(random()) % (std::min(tree.max_level, 6u) + 1);
     const double across = nodes_across(static_cast<int>(tree.n), level);
     NodeKey key{level, 0, 0, 0};
-    std::uint32_t* place[] = {&key.x, &key.y, &key.z};
+    std::uint64_t* place[] = {&key.x, &key.y, &key.z};
     for (int axis = 0; axis < 3; ++axis) {
       std::uniform_real_distribution<double> inside(tree.extent.minimum[axis], tree.extent.maximum[axis]);
       *place[axis] = static_cast<std::uint32_t>(std::min(inside(random) * across, across - 1));
@@ -288,7 +288,7 @@ TEST(RepeatProducer, levels_above_the_copies_are_means_that_go_on_beyond_the_bor
 }
 
 TEST(RepeatProducer, refuses_what_no_key_can_name) {
-  EXPECT_FALSE(RepeatProducer::create(make_store_producer(), 30).ok());
+  EXPECT_FALSE(RepeatProducer::create(make_store_producer(), 40).ok());
   EXPECT_FALSE(RepeatProducer::create(make_field_producer(), 1).ok());
 }
 

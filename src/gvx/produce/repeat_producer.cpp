@@ -10,11 +10,11 @@ namespace gvx::produce {
 Result<std::shared_ptr<const RepeatProducer>> RepeatProducer::create(std::shared_ptr<const Producer> volume,
                                                                      std::uint32_t levels) {
   const TreeDescription& tree = volume->description();
-  constexpr std::uint32_t kMostLevels = 31;  // 2^31 nodes across
+  constexpr std::uint32_t kFinest = kMaxLevels - 1;
   if (tree.n != 2)
     return Error{"repeat: the volume's tree has " + std::to_string(tree.n) +
                  " children along an axis; only trees of 2 can be repeated"};
-  if (levels > kMostLevels - std::min(tree.max_level, kMostLevels)) {
+  if (levels > kFinest - std::min(tree.max_level, kFinest)) {
     return Error{"repeat: 2^" + std::to_string(levels) + " copies of a tree of " +
                  std::to_string(tree.max_level + 1) + " levels are more than a tree can have"};
   }
@@ -33,7 +33,8 @@ RepeatProducer::RepeatProducer(std::shared_ptr<const Producer> volume, std::uint
 
 /// The node of the volume itself; of levels of copies and below.
 NodeKey RepeatProducer::in_volume(const NodeKey& key) const {
-  const std::uint32_t level = key.level - levels_, within = (1u << level) - 1;
+  const std::uint32_t level = key.level - levels_;
+  const std::uint64_t within = (std::uint64_t{1} << level) - 1;
   return {level, key.x & within, key.y & within, key.z & within};
 }
 

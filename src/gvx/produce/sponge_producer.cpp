@@ -16,43 +16,46 @@ constexpr NodeKey kHole{1, 1, 1, 1};
 bool inside(double x, double y, double z) {
   for (int g = 0; g < kGenerations; ++g) {
     x *= 3, y *= 3, z *= 3;
-    const auto ix = static_cast<std::uint32_t>(x), iy = static_cast<std::uint32_t>(y),
-               iz = static_cast<std::uint32_t>(z);
-    if (!SpongeProducer::solid(ix, iy, iz)) return false;
+    const auto ix = static_cast<int>(x), iy = static_cast<int>(y), iz = static_cast<int>(z);
+    if (!SpongeProducer::solid(std::uint64_t(ix), std::uint64_t(iy), std::uint64_t(iz))) return false;
     x -= ix, y -= iy, z -= iz;
   }
   return true;
 }
 
+/// The node that a node is the same as: the root, or kHole where it is in a hole.
+NodeKey same_as(const NodeKey& key) {
+  for (NodeKey k = key; k.level > 0; k = parent(k, 3)) {
+    if (!SpongeProducer::solid(k.x % 3, k.y % 3, k.z % 3)) return kHole;
+  }
+  return {};
+}
+
 }  // namespace
 
-SpongeProducer::SpongeProducer(std::uint32_t m) {
+SpongeProducer::SpongeProducer(std::uint32_t m, Nodes nodes) : nodes_(nodes) {
   description_.n = 3;
   description_.m = m;
   description_.max_level = kMaxLevel;
   description_.ranges = ValueRange{0, 255};
-  description_.bricks = 1;
+  if (nodes == Nodes::shared) description_.bricks = 1;
 }
 
 NodeKey SpongeProducer::canonical(const NodeKey& key) const {
-  NodeKey k = key;
-  while (k.level > 0) {
-    if (!solid(k.x % 3, k.y % 3, k.z % 3)) return kHole;
-    k = parent(k, 3);
-  }
-  return k;
+  return nodes_ == Nodes::shared ? same_as(key) : key;
 }
 
 Status SpongeProducer::describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const {
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    infos[i] = canonical(keys[i]) == kHole ? tree::NodeInfo{ValueRange{0, 0}, true}
-                                           : tree::NodeInfo{ValueRange{0, 255}, false};
+    const bool finest = nodes_ == Nodes::stored && keys[i].level == kMaxLevel;
+    infos[i] = same_as(keys[i]) == kHole ? tree::NodeInfo{ValueRange{0, 0}, true}
+                                         : tree::NodeInfo{ValueRange{0, 255}, finest};
   }
   return {};
 }
 
 Status SpongeProducer::produce(const NodeKey& key, std::span<std::byte> voxels) const {
-  GVX_CHECK(key == NodeKey{});
+  GVX_CHECK(same_as(key) != kHole);
   const int m = static_cast<int>(description_.m);
   // What is beyond the brick depends on which of its places it stands in. It is taken as empty, so that faces
   // have a gradient; where the neighbour is solid too, coverage falls to a half on the shared face, which is

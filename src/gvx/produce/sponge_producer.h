@@ -10,14 +10,16 @@ namespace gvx::produce {
 /// N = 3. Stored values are coverage, 0 to 255; the cube is one world unit wide.
 class SpongeProducer final : public Producer {
  public:
-  /// The finest level: 3^20 nodes across are as many as NodeKey can name.
-  static constexpr std::uint32_t kMaxLevel = 20;
+  static constexpr std::uint32_t kMaxLevel = kMaxLevels - 1;
 
-  explicit SpongeProducer(std::uint32_t m = 16);
+  /// `stored`: every node has its own children and brick, as a volume's would.
+  enum class Nodes { shared, stored };
+
+  explicit SpongeProducer(std::uint32_t m = 16, Nodes nodes = Nodes::shared);
 
   /// Is the child (x, y, z) of a sponge, each 0 to 2, part of it? It is not where two or more coordinates
   /// are 1.
-  static bool solid(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+  static bool solid(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
     return (x == 1) + (y == 1) + (z == 1) < 2;
   }
 
@@ -27,6 +29,7 @@ class SpongeProducer final : public Producer {
   Status produce(const NodeKey& key, std::span<std::byte> voxels) const override;
 
  private:
+  Nodes nodes_;
   TreeDescription description_;
 };
 

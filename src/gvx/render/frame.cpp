@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "gvx/core/node_key.h"
+#include "gvx/render/level_views.h"
 
 namespace gvx::render {
 namespace {
@@ -16,6 +17,11 @@ exec::Buffer<T> upload(const exec::Device& device, const std::vector<T>& values)
   exec::Buffer<T> buffer(device, values.size());
   std::copy(values.begin(), values.end(), buffer.view().begin());
   return buffer;
+}
+
+Vec3dd point(const Affine3& map, Vec3dd p) {
+  return p.x * Vec3dd(map.column[0]) + p.y * Vec3dd(map.column[1]) + p.z * Vec3dd(map.column[2]) +
+         Vec3dd(map.origin);
 }
 
 bool scalar_composite(const View& view, const TreePlacement& placement) {
@@ -92,8 +98,12 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   const Vec3d size = placement.extent.maximum - placement.extent.minimum;
   const Box3d clip{placement.extent.minimum + view.clip.minimum * size,
                    placement.extent.minimum + view.clip.maximum * size};
-  v.box = intersect(clip, placement.extent);
-  v.last_inside = (1 - 1e-15) * v.box.maximum;
+  const Box3d box = intersect(clip, placement.extent);
+  const Vec3dd eye = point(v.world_to_tree, view.camera.eye_world());
+  v.box = {Vec3d(Vec3dd(box.minimum) - eye), Vec3d(Vec3dd(box.maximum) - eye)};
+  v.root = -Vec3d(Vec3dd(floor(eye.x), floor(eye.y), floor(eye.z)));
+  frame.levels_ = upload(device, level_views(placement.n, placement.max_level, eye, box));
+  v.levels = frame.levels_.view().data;
   v.format = placement.format;
 
   const double finest_voxels =
@@ -106,11 +116,11 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   v.voxels_per_step = static_cast<float>(1 / view.samples_per_voxel);
   v.max_level = placement.max_level;
 
-  std::int64_t stride = 1;
+  double stride = 1;
   for (int level = placement.max_level; level >= 0; --level, stride *= placement.n) {
     v.stride[level] = stride;
-    v.gradient_scale[level] = static_cast<float>(1 / std::sqrt(std::min(static_cast<double>(stride), 4.0)));
-    const double wide_enough = view.detail * max_component(spacing) * static_cast<double>(stride);
+    v.gradient_scale[level] = static_cast<float>(1 / std::sqrt(std::min(stride, 4.0)));
+    const double wide_enough = view.detail * max_component(spacing) * stride;
     const bool out_of_reach = !view.level_of_detail || v.camera.orthographic;
     v.lod_distance[level] =
         out_of_reach ? std::numeric_limits<double>::infinity() : wide_enough / v.camera.pixel;
@@ -151,7 +161,7 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   if (v.classification == scene::Classification::post && scalar_composite(view, placement) &&
       v.visibility.channels == 1 && !by_gradient && device.kind() == exec::DeviceKind::cpu) {
     const auto& before = previous != nullptr ? previous->steps_ : nullptr;
-    const std::vector<std::int64_t> strides(v.stride, v.stride + v.max_level + 1);
+    const std::vector<double> strides(v.stride, v.stride + v.max_level + 1);
     const bool same = before != nullptr && before->tables == frame.tables_[0] &&
                       before->units_per_tick == v.units_per_tick && before->strides == strides;
     frame.steps_ = same ? before : make_steps(v, frame.tables_[0]);

@@ -5,7 +5,8 @@
 /// Along a ray, t is the distance from the camera in the world. Steps are counted in *ticks*, steps of the
 /// finest level, from where the ray enters the volume. A step of level l is stride[l] = N^(max_level - l)
 /// ticks long and starts at a multiple of it, so that where a ray takes its samples depends on the ray alone:
-/// not on nodes, not on what is resident.
+/// not on nodes, not on what is resident. Ticks are whole numbers in doubles: beyond 2^53, which takes trees
+/// of more than 30 levels, they are rounded, by far less than the steps that are taken out there.
 ///
 /// A ray is a cone. Where it is View::detail voxels of level l wide, that level alone is sampled; from there
 /// on the next coarser one is blended in, until the cone is as many of its voxels wide:
@@ -14,19 +15,19 @@
 ///     level        2 = max       |   2, more and more of 1   |   1, more and more of 0   |   0
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "gvx/core/node_key.h"
 #include "gvx/core/result.h"
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
+#include "gvx/render/level_view.h"
 #include "gvx/render/view.h"
 
 namespace gvx::render {
-
-/// Levels a tree can have: 2^32 nodes across.
-inline constexpr int kMaxLevels = 33;
 
 /// What a step through matter of one value adds: its colour, not multiplied by its opacity.
 struct alignas(16) StepColor {
@@ -38,12 +39,13 @@ struct FrameView {
   scene::CameraView camera;
   std::uint32_t width = 0, height = 0;  ///< in rays
   Affine3 world_to_tree;
-  Box3d box;          ///< of the visible volume in tree space
-  Vec3d last_inside;  ///< a hair below box.maximum: points there are in nodes that are in the box
+  Box3d box;                          ///< of the visible volume in tree space, from the eye
+  const LevelView* levels = nullptr;  ///< of the tree, up to max_level
+  Vec3d root;                         ///< counted from the node of its size that the eye is in
   double tick_world = 0;
   int max_level = 0;
   double lod_distance[kMaxLevels] = {};  ///< the cone is View::detail voxels of level l wide there
-  std::int64_t stride[kMaxLevels] = {};  ///< of a step of level l, in ticks
+  double stride[kMaxLevels] = {};        ///< of a step of level l, in ticks
   float fixed_blend = -1;  ///< share of the coarser level everywhere, if not negative (orthographic)
   int fixed_level = 0;     ///< and the level then
   VoxelFormat format;
@@ -69,13 +71,14 @@ struct FrameView {
   /// Steps of one level, blended or not.
   struct Zone {
     int level = 0;
-    bool blended = false;          ///< some of the next coarser level is seen
-    std::int64_t end = INT64_MAX;  ///< the tick at which the next zone begins
+    bool blended = false;  ///< some of the next coarser level is seen
+    double end = kNever;   ///< the tick at which the next zone begins
   };
+  static constexpr double kNever = 1e300;
 
   /// The zone of the step that starts at `tick` of a ray that enters the volume at distance `enter`. All is
   /// compared in whole ticks: a ray that goes on from anywhere in a zone finds the same.
-  GVX_HD Zone zone_at(double enter, std::int64_t tick) const {
+  GVX_HD Zone zone_at(double enter, double tick) const {
     Zone zone;
     const bool blends = format.content != VoxelContent::labels;
     if (fixed_blend >= 0) {
@@ -85,16 +88,17 @@ struct FrameView {
     }
     int level = max_level;
     while (level > 0 && tick >= handover(level - 1, enter)) --level;
-    while (stride[level] != 1 && tick % stride[level] != 0) ++level;
+    while (level < max_level && !is_multiple(tick, stride[level])) ++level;
     zone.level = level;
     if (level == 0) return zone;
-    const std::int64_t begins = blends ? handover(level, enter) : INT64_MAX;
+    const double begins = blends ? handover(level, enter) : kNever;
     zone.blended = tick >= begins;
     const int next = zone.blended || !blends ? level - 1 : level;
-    const std::int64_t at = handover(next, enter);
-    if (at == INT64_MAX) return zone;
-    const std::int64_t least = at > tick ? at : tick + 1;
-    zone.end = (least + stride[next] - 1) / stride[next] * stride[next];
+    const double at = handover(next, enter);
+    if (at == kNever) return zone;
+    const double steps = std::ceil(at / stride[next]),
+                 after = std::floor(tick / stride[next] + kRounding) + 1;
+    zone.end = (steps > after ? steps : after) * stride[next];
     return zone;
   }
 
@@ -111,17 +115,18 @@ struct FrameView {
     return (t - from) / (to - from);
   }
 
-  /// The first tick from which on the cone is View::detail voxels of `level` wide; INT64_MAX: never.
-  GVX_HD std::int64_t handover(int level, double enter) const {
+  /// The first tick from which on the cone is View::detail voxels of `level` wide, or kNever.
+  GVX_HD double handover(int level, double enter) const {
     const double tick = (lod_distance[level] - enter) / tick_world;
-    if (!(tick < 9e15)) return INT64_MAX;
-    return tick > 0 ? whole_above(tick) : 0;
+    if (!(tick < kNever)) return kNever;
+    return tick > 0 ? std::ceil(tick) : 0;
   }
 
-  /// The least whole number that is no less than x, from 0 to 2^62.
-  GVX_HD static std::int64_t whole_above(double x) {
-    const auto below = static_cast<std::int64_t>(x);
-    return below + (x > static_cast<double>(below) ? 1 : 0);
+  /// Ticks are told apart by no less than this share of a stride.
+  static constexpr double kRounding = 1e-9;
+  GVX_HD static bool is_multiple(double tick, double stride) {
+    const double steps = tick / stride;
+    return std::fabs(steps - std::rint(steps)) <= kRounding;
   }
 };
 
@@ -150,7 +155,7 @@ class Frame {
   struct StepTable {
     std::shared_ptr<const Tables> tables;
     float units_per_tick = 0;
-    std::vector<std::int64_t> strides;
+    std::vector<double> strides;
     std::vector<StepColor> colors;
   };
   static std::shared_ptr<const StepTable> make_steps(const FrameView& view,
@@ -160,6 +165,7 @@ class Frame {
                                                    const TreePlacement& placement, double most_extinction);
 
   FrameView view_;
+  exec::Buffer<LevelView> levels_;
   std::vector<std::shared_ptr<const Tables>> tables_;
   std::shared_ptr<const StepTable> steps_;
 };

@@ -25,7 +25,8 @@ class RayMarcher {
       : view_(view), walk_(view) {
     const FrameView& frame = view.frame;
     ray_world_ = frame.camera.pixel_ray(pixel_x, pixel_y);
-    ray_ = {frame.world_to_tree.point(ray_world_.origin), frame.world_to_tree.vector(ray_world_.direction)};
+    const Ray from_eye = frame.camera.pixel_ray_from_eye(pixel_x, pixel_y);
+    ray_ = {frame.world_to_tree.vector(from_eye.origin), frame.world_to_tree.vector(from_eye.direction)};
     inside_ = intersect(ray_, frame.box, 0, 1e300);
     for (int axis = 0; axis < 3; ++axis) inverse_direction_[axis] = 1 / ray_.direction[axis];
   }
@@ -88,11 +89,11 @@ class RayMarcher {
   /// The next step of a ray and how far steps of its level go on.
   struct Step {
     int level;
-    std::int64_t tick, stride;
-    std::int64_t zone_end;  ///< the tick at which a coarser level takes over, or begins to be blended in
-    bool blended;           ///< some of the next coarser level is seen
+    double tick, stride;
+    double zone_end;  ///< the tick at which a coarser level takes over, or begins to be blended in
+    bool blended;     ///< some of the next coarser level is seen
     double t_centre;
-    Vec3d p;  ///< its centre in tree space
+    Vec3d p;  ///< its centre in tree space, from the eye
   };
 
   GVX_HD double t_at(double tick) const { return inside_.enter + tick * view_.frame.tick_world; }
@@ -105,7 +106,7 @@ class RayMarcher {
     step.blended = zone.blended;
     step.zone_end = zone.end;
     step.stride = frame.stride[step.level];
-    step.t_centre = t_at(static_cast<double>(step.tick) + 0.5 * static_cast<double>(step.stride));
+    step.t_centre = t_at(step.tick + 0.5 * step.stride);
     // A projection has a value wherever there is volume, be it less than half a step of it.
     if (projects() && step.tick == 0 && !(step.t_centre < inside_.exit)) {
       step.t_centre = 0.5 * (inside_.enter + inside_.exit);
@@ -128,12 +129,9 @@ class RayMarcher {
   }
 
   GVX_HD Place descend(const Step& step, RayState& state) const {
-    const double across = TreeWalk<Voxel, N, M>::across(step.level);
+    const LevelView& level = view_.frame.levels[step.level];
     Vec3d cell;
-    for (int axis = 0; axis < 3; ++axis) {
-      cell[axis] =
-          cell_along(step.p[axis], view_.frame.box.minimum[axis], view_.frame.last_inside[axis], across);
-    }
+    for (int axis = 0; axis < 3; ++axis) cell[axis] = level.cell_at(axis, step.p[axis]);
     return walk_.to(step.level, step.blended, cell,
                     [&](NodeIndex node) { return outdone(view_.frame, view_.nodes, node, state); });
   }
@@ -144,28 +142,30 @@ class RayMarcher {
     // A preview's coarser brick is sampled in its own, longer steps.
     const bool coarser = place.coarser_than(step.level);
     const int step_level = coarser ? place.brick_level : step.level;
-    const std::int64_t stride = view_.frame.stride[step_level];
-    const double t_step = view_.frame.tick_world * static_cast<double>(stride);
+    const double stride = view_.frame.stride[step_level];
+    const double t_step = view_.frame.tick_world * stride;
+    const LevelView& level = view_.frame.levels[place.level];
     double t_exit = inside_.exit;
     for (int axis = 0; axis < 3; ++axis) {
       const double d = ray_.direction[axis];
       if (d == 0) continue;
-      const double face = (place.cell[axis] + (d > 0 ? 1 : 0)) / place.across;
+      const double face = level.face(axis, place.cell[axis] + (d > 0 ? 1 : 0));
       const double t = (face - ray_.origin[axis]) * inverse_direction_[axis];
       t_exit = t < t_exit ? t : t_exit;
     }
     constexpr double kMostSteps = 1e15;
     const double count = (t_exit - step.t_centre) / t_step;
-    std::int64_t steps = FrameView::whole_above(count > 1 ? (count < kMostSteps ? count : kMostSteps) : 1);
-    if (!coarser && step.zone_end != INT64_MAX) {
-      const std::int64_t to_zone_end = (step.zone_end - step.tick) / stride;  // both are multiples of it
-      steps = steps < to_zone_end ? steps : to_zone_end;
+    double whole = std::ceil(count > 1 ? (count < kMostSteps ? count : kMostSteps) : 1);
+    if (!coarser) {
+      const double to_zone_end = std::rint((step.zone_end - step.tick) / stride);  // both are multiples of it
+      whole = whole < to_zone_end ? whole : to_zone_end;
     }
+    auto steps = static_cast<std::int64_t>(whole);
 
     // Steps within a stretch are counted in floats.
     constexpr std::int64_t kMostInBrick = 1 << 22;
     if (place.kind == Place::brick) steps = steps < kMostInBrick ? steps : kMostInBrick;
-    state.tick += steps * stride;
+    state.tick += static_cast<double>(steps) * stride;
     if (place.kind == Place::constant) {
       gather_constant(ray_view(), walk_.ranges_of(place), step.level, steps, state);
     }
@@ -178,12 +178,12 @@ class RayMarcher {
   /// The path of the steps' centres through a brick of `level` that holds the node.
   GVX_HD BrickPath<Voxel, M> path_in(BrickIndex slot, int level, const Step& step, const Place& place,
                                      double t_step) const {
-    const BrickCorner<N> at(place, level);
+    const BrickCorner<N> at(view_.frame, place, level);
     BrickPath<Voxel, M> path;
     path.brick = view_.bricks.brick(slot);
     path.voxels_across = static_cast<float>(at.across * M);
     for (int axis = 0; axis < 3; ++axis) {
-      path.first[axis] = static_cast<float>((step.p[axis] * at.across - at.corner[axis]) * M);
+      path.first[axis] = static_cast<float>((step.p[axis] - at.corner[axis]) * at.across * M);
       path.per_step[axis] = static_cast<float>(ray_.direction[axis] * t_step * at.across * M);
     }
     return path;
@@ -207,7 +207,7 @@ class RayMarcher {
   const PassView<Voxel, N, M>& view_;
   TreeWalk<Voxel, N, M> walk_;
   Ray ray_world_;
-  Ray ray_;                  // in tree space; t is the distance in the world
+  Ray ray_;                  // in tree space, from the eye; t is the distance in the world
   Vec3d inverse_direction_;  // infinite where a direction is 0
   RayInterval inside_;       // of the visible volume
 };

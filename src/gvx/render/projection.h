@@ -53,7 +53,7 @@ GVX_HD void project_stretch(const RayView& ray, const Stretch<Voxel, M>& s, RayS
 
 GVX_HD inline void project_constant(const RayView& ray, const ChannelRanges& values, int level,
                                     std::int64_t steps, RayState& state) {
-  const float ticks = static_cast<float>(ray.frame.stride[level] * steps);
+  const float ticks = static_cast<float>(ray.frame.stride[level] * static_cast<double>(steps));
   for (std::uint32_t c = 0; c < ray.frame.visibility.channels; ++c) {
     project(ray.frame.visibility.mode, state, c, values.channel[c].minimum, ticks);
   }

@@ -14,9 +14,9 @@ enum class RayPhase : std::uint32_t { under_way = 0, finished = 1 };
 /// 40 bytes. A state of another epoch than the film's is a ray that has not begun: clearing a film costs
 /// nothing.
 struct RayState {
-  std::int64_t tick = 0;  ///< where the next step starts
-  Vec3f color;            ///< gathered so far, multiplied by its opacity
-  float opacity = 0;      ///< 1 - transmittance
+  double tick = 0;    ///< where the next step starts
+  Vec3f color;        ///< gathered so far, multiplied by its opacity
+  float opacity = 0;  ///< 1 - transmittance
   RayPhase phase = RayPhase::under_way;
   std::uint32_t samples = 0;
   std::uint32_t epoch = 0;

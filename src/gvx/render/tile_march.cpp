@@ -1,6 +1,5 @@
 #include "gvx/render/tile_march.h"
 
-#include "gvx/core/affine.h"
 #include "gvx/render/tile_passes.h"
 
 namespace gvx::render {
@@ -10,13 +9,7 @@ GVX_INSTANTIATE_TILE_MARCH(extern, std::uint16_t)
 GVX_INSTANTIATE_TILE_MARCH(extern, float)
 
 bool marches_tiles(const Pass& pass) {
-  // Ticks are counted in doubles.
-  constexpr double kMostTicks = 1e15;
-  const FrameView& frame = pass.frame;
-  const Affine3 to_world = inverse(frame.world_to_tree);
-  double diagonal = 0;
-  for (const Vec3d& column : to_world.column) diagonal += length(column);
-  return !pass.one_ray_at_a_time && diagonal / frame.tick_world < kMostTicks;
+  return !pass.one_ray_at_a_time;
 }
 
 bool tile_march(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,

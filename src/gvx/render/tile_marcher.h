@@ -63,10 +63,9 @@ class TileMarcher {
     TileRays& rays = work_.rays;
     active_ = set_up(frame, x0, y0, apart, edge, rays);
     projection_.begin_tile(x0, y0);
-    eye_tree_ = frame.world_to_tree.point(frame.camera.eye);
     if (frame.camera.orthographic) {
       const Vec3d forward = frame.world_to_tree.vector(frame.camera.forward);
-      for (int axis = 0; axis < 3; ++axis) eye_tree_[axis] = forward[axis] > 0 ? -1e300 : 1e300;
+      for (int axis = 0; axis < 3; ++axis) viewpoint_[axis] = forward[axis] > 0 ? -1e300 : 1e300;
     }
     const std::size_t many = edge * TileRays::kEdge;
     std::fill_n(rays.tick, many, 0.0);
@@ -94,7 +93,7 @@ class TileMarcher {
 
   /// Ray `index` goes on from where it was.
   void resume(std::uint32_t index, const RayState& state) {
-    work_.rays.tick[index] = static_cast<double>(state.tick);
+    work_.rays.tick[index] = state.tick;
     put(index, state);
     if (zones_) work_.rays.find_zone(view_.frame, index);
     resumed_ = resumed_ || state.tick > 0;
@@ -114,7 +113,9 @@ class TileMarcher {
     deadline_ = deadline;
     left_ = active_.count();
     const ActiveRays begun = active_;
-    if (left_ > 0) visit(At(), TileRect());
+    At root;
+    root.cell = view_.frame.root;
+    if (left_ > 0) visit(root, TileRect());
     if (projects_ && !stopped_) {
       begun.for_each([&](std::uint32_t ray) {
         if (!blocked_.has(ray)) finish_projecting(ray);
@@ -128,7 +129,7 @@ class TileMarcher {
   /// was just put together waits for all of its stores.
   void put_state(std::uint32_t index, RayState& state) const {
     const TileRays& rays = work_.rays;
-    state.tick = static_cast<std::int64_t>(rays.tick[index]);
+    state.tick = rays.tick[index];
     const float(&gathered)[4] = rays.gathered[index];
     state.color = {gathered[0], gathered[1], gathered[2]};
     state.opacity = gathered[3];
@@ -156,8 +157,7 @@ class TileMarcher {
   struct At {
     NodeIndex node, parent;
     int level = 0;
-    double across = 1;  // nodes of that level along an axis
-    Vec3d cell;         // in nodes of its level
+    Vec3d cell;  // counted from the eye's
     int ancestor_level = -1;
     BrickIndex ancestor_slot;  // of the finest node above that has a brick
   };
@@ -183,7 +183,8 @@ class TileMarcher {
     const FrameView& frame = view_.frame;
     const tree::ChildWord child = view_.nodes.child[at.node.value];
     if (child.transparent()) return;
-    const NodeBox box{at.cell / at.across, (at.cell + Vec3d(1)) / at.across};
+    const LevelView& level = frame.levels[at.level];
+    const NodeBox box{level.corner(at.cell), level.corner(at.cell + Vec3d(1))};
     for (int axis = 0; axis < 3; ++axis) {
       if (box.high[axis] <= frame.box.minimum[axis] || box.low[axis] >= frame.box.maximum[axis]) return;
     }
@@ -227,13 +228,14 @@ class TileMarcher {
   void visit_children(const At& within, TileIndex tile, const NodeBox& box, const TileRect& rect) {
     At child = within;
     child.level = within.level + 1;
-    child.across = within.across * N;
+    const LevelView& level = view_.frame.levels[child.level];
     typename TileProjection::Rects rects;
-    projection_.project_children(box.low, 1 / child.across, N, rects);
+    projection_.project_children(box.low, level.edge_high, N, rects);
     int order[3][N];
     for (int axis = 0; axis < 3; ++axis) {
-      order_along(eye_tree_[axis] * child.across - within.cell[axis] * N, order[axis]);
+      order_along((viewpoint_[axis] - box.low[axis]) * level.across, order[axis]);
     }
+    const Vec3d first = double(N) * within.cell - level.digit;
     for (const int z : order[2]) {
       for (const int y : order[1]) {
         for (const int x : order[0]) {
@@ -243,7 +245,7 @@ class TileMarcher {
                  std::min(met.y1, rect.y1)};
           if (met.empty() || !active_.any_in(met)) continue;
           child.node = NodeIndex(tile.value * (N * N * N) + index);
-          child.cell = {within.cell.x * N + x, within.cell.y * N + y, within.cell.z * N + z};
+          child.cell = first + Vec3d(x, y, z);
           visit(child, met);
           if (stopped_ || left_ == 0) return;
         }
@@ -267,7 +269,6 @@ class TileMarcher {
     place.node = at.node;
     place.parent = at.parent;
     place.level = at.level;
-    place.across = at.across;
     place.cell = at.cell;
     place.ancestor_level = at.ancestor_level;
     place.ancestor_slot = at.ancestor_slot;
@@ -289,8 +290,7 @@ class TileMarcher {
   /// Up to where rays may not have noticed yet that the zone of `level` has begun.
   double zone_ends(int level) const {
     const FrameView& frame = view_.frame;
-    return (1 + 1e-9) * frame.lod_distance[level] +
-           2 * static_cast<double>(frame.stride[level]) * frame.tick_world;
+    return (1 + 1e-9) * frame.lod_distance[level] + 2 * frame.stride[level] * frame.tick_world;
   }
   bool may_be_zone(int level, bool blended, const Levels& levels) const {
     const FrameView& frame = view_.frame;
@@ -380,11 +380,11 @@ class TileMarcher {
     const FrameView& frame = view_.frame;
     const StretchBatch& batch = work_.batch;
     const auto voxels_across = [&](int of_level) {
-      return static_cast<float>(BrickCorner<N>(place, of_level).across * M);
+      return static_cast<float>(BrickCorner<N>(frame, place, of_level).across * M);
     };
     Stretch<Voxel, M> s;
     s.level = wanted.step_level;
-    s.t_step = frame.tick_world * static_cast<double>(frame.stride[wanted.step_level]);
+    s.t_step = frame.tick_world * frame.stride[wanted.step_level];
     s.fine.brick = view_.bricks.brick(place.slot);
     s.fine.voxels_across = voxels_across(place.brick_level);
     s.fine_deviates = place.brick_level < frame.max_level && place.brick_level == level;
@@ -519,8 +519,10 @@ class TileMarcher {
       const std::uint32_t ray = work_.batch.ray(i);
       RayState state = state_of(ray);
       state.phase = RayPhase::under_way;
-      const double steps = (rays.tick[ray] - rays.start[ray]) / rays.stride[ray];
-      gather_constant(ray_view(ray), values, level, static_cast<std::int64_t>(steps), state);
+      const double steps = std::rint((rays.tick[ray] - rays.start[ray]) / rays.stride[ray]);
+      constexpr double kMostSteps = 1e15;
+      gather_constant(ray_view(ray), values, level, static_cast<std::int64_t>(std::min(steps, kMostSteps)),
+                      state);
       put(ray, state);
       if (state.phase == RayPhase::finished) retire(ray);
     }
@@ -546,7 +548,7 @@ class TileMarcher {
 
   BrickPlace path_of(const Place& place, BrickIndex slot, int level, StretchBatch::Path& path) const {
     path.brick = reinterpret_cast<const std::byte*>(view_.bricks.brick(slot).voxels);
-    const BrickCorner<N> at(place, level);
+    const BrickCorner<N> at(view_.frame, place, level);
     path.voxels_across = static_cast<float>(at.across * M);
     return {at.across, at.corner};
   }
@@ -559,7 +561,7 @@ class TileMarcher {
   const bool projects_;
   const Vectors vectors_;
   TileProjection projection_;
-  Vec3d eye_tree_;
+  Vec3d viewpoint_;  // that of the rays, from the eye: very far behind it where they are parallel
   Workspace& work_;
   ActiveRays active_, blocked_, stubs_;
   std::uint32_t left_ = 0;  // active ones

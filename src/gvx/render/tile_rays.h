@@ -4,8 +4,8 @@
 ///
 /// A node's faces and a ray give the distances between which the ray is in the node; the steps whose centres
 /// lie between them are the node's. They are counted from where the ray enters the volume, so nodes that
-/// share a face share out steps without gaps, whatever else is visited or resident. A ray's bits depend
-/// neither on the other rays nor on the instruction set.
+/// share a face (LevelView::face) share out steps without gaps, whatever else is visited or resident. A ray's
+/// bits depend neither on the other rays nor on the instruction set.
 #pragma once
 
 #include <bit>
@@ -20,9 +20,8 @@ namespace gvx::render {
 struct TileRays {
   static constexpr std::uint32_t kEdge = exec::TileGrid::kTile;
   static constexpr std::uint32_t kMost = kEdge * kEdge;  ///< ray (x, y) of the tile is number y * kEdge + x
-  static constexpr double kNever = 9e15;                 ///< a tick that never comes
 
-  /// In tree space; t is the distance in the world.
+  /// In tree space, from the eye; t is the distance in the world.
   alignas(64) double origin[3][kMost];
   alignas(64) double direction[3][kMost];
   alignas(64) double inverse[3][kMost];  ///< of the direction; finite
@@ -88,7 +87,7 @@ struct ActiveRays {
   static std::uint32_t bit(std::uint32_t ray) { return 1u << ray % TileRays::kEdge; }
 };
 
-/// A node in tree space.
+/// A node in tree space, from the eye.
 struct NodeBox {
   Vec3d low, high;
 };
@@ -120,7 +119,6 @@ class TileProjection {
 
   // What follows is for project_children's vectors.
   Vec3d across, down, ahead;        ///< of the camera, in tree space: what one unit of x, y, z adds
-  Vec3d eye;                        ///< what these are at tree space's origin
   double first_x = 0, first_y = 0;  ///< the place of x = 0, y = 0 among the tile's rays
   bool orthographic = false;
 
@@ -128,7 +126,6 @@ class TileProjection {
   double apart_;
   double half_width_, half_height_;
   Affine3 tree_to_world_;
-  Vec3d eye_world_;
   double diagonal_world_ = 0;  // of all of tree space, the longest
 };
 
@@ -141,7 +138,7 @@ ActiveRays set_up(const FrameView& frame, double x0, double y0, double apart, st
 bool any_inside(const FrameView& frame, const TileRays& rays, const ActiveRays& active, const NodeBox& node,
                 const TileRect& rect);
 
-/// A brick's place in tree space: bricks like it along an axis, and its corner in bricks.
+/// A brick's place in tree space: bricks like it along an axis, and its corner from the eye.
 struct BrickPlace {
   double across = 1;
   Vec3d corner;

@@ -113,7 +113,6 @@ ActiveRays set_up_all(const FrameView& frame, double x0, double y0, double apart
                       TileRays& rays) {
   const scene::CameraView& camera = frame.camera;
   ActiveRays meeting;
-  const Vec3d eye_tree = frame.world_to_tree.point(camera.eye);
   for (std::uint32_t row = 0; row < edge; ++row) {
     const double y = y0 + static_cast<double>(row) * apart;
     const Double up = all((camera.half_height - y - 0.5) * camera.pixel);
@@ -123,9 +122,9 @@ ActiveRays set_up_all(const FrameView& frame, double x0, double y0, double apart
       const Double x = hn::Add(all(x0), hn::Mul(i, all(apart)));
       const Double right = hn::Mul(hn::Sub(hn::Add(x, all(0.5)), all(camera.half_width)), all(camera.pixel));
       const Vec3v across = right * camera.right + up * camera.up;
-      Vec3v origin = constant(camera.eye), direction = constant(camera.forward);
+      Vec3v origin = constant({}), direction = constant(camera.forward);
       if (camera.orthographic) {
-        origin = origin + across;
+        origin = across;
       } else {
         const Vec3v way = direction + across;
         const Double square =
@@ -133,13 +132,11 @@ ActiveRays set_up_all(const FrameView& frame, double x0, double y0, double apart
         const Double length = hn::Sqrt(square);
         direction = {hn::Div(way.x, length), hn::Div(way.y, length), hn::Div(way.z, length)};
       }
-      store(origin, rays.world_origin, ray);
+      store(constant(camera.eye) + origin, rays.world_origin, ray);
       const HalfFloat to_eye[4] = {hn::Neg(to_floats(direction.x)), hn::Neg(to_floats(direction.y)),
                                    hn::Neg(to_floats(direction.z)), hn::Zero(kHalfFloats)};
       put_rows(to_eye, kAllLanes, &rays.to_eye[ray][0], 4);
-      origin = camera.orthographic
-                   ? vector(frame.world_to_tree, origin) + constant(frame.world_to_tree.origin)
-                   : constant(eye_tree);
+      if (camera.orthographic) origin = vector(frame.world_to_tree, origin);
       direction = vector(frame.world_to_tree, direction);
       store(origin, rays.origin, ray);
       store(direction, rays.direction, ray);
@@ -249,7 +246,7 @@ HWY_INLINE void put_path(const TileRays& rays, const Double (&p)[3], std::size_t
   HalfFloat first[4], per_step[4];
   for (int axis = 0; axis < 3; ++axis) {
     const Double direction = hn::Load(kDoubles, rays.direction[axis] + r);
-    const Double in_bricks = hn::Sub(hn::Mul(p[axis], all(place.across)), all(place.corner[axis]));
+    const Double in_bricks = hn::Mul(hn::Sub(p[axis], all(place.corner[axis])), all(place.across));
     first[axis] = to_floats(hn::Mul(in_bricks, all(m)));
     per_step[axis] = to_floats(hn::Mul(hn::Mul(hn::Mul(direction, t_step), all(place.across)), all(m)));
   }
@@ -262,7 +259,7 @@ HWY_INLINE void put_path(const TileRays& rays, const Double (&p)[3], std::size_t
 void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const NodeBox& node,
                          const TileRect& rect, const StretchesWanted& wanted, TileRays& rays,
                          StretchBatch& batch) {
-  const double step_stride = static_cast<double>(frame.stride[wanted.step_level]);
+  const double step_stride = frame.stride[wanted.step_level];
   const Double half = all(0.5), one = all(1), tick_world = all(frame.tick_world);
   const Double t_step = all(frame.tick_world * step_stride);
   const double m = batch.m;
@@ -287,7 +284,8 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
       zone_end = hn::Load(kDoubles, rays.zone_end + r);
       const Double steps_before = hn::Ceil(hn::Sub(hn::Mul(hn::Sub(t.in, enter), steps_per_t), half));
       start = hn::Max(tick, hn::Mul(steps_before, stride));
-      const Mask behind_zone = hn::And(inside, hn::Ge(start, zone_end));
+      // Both are multiples of the stride.
+      const Mask behind_zone = hn::And(inside, hn::Ge(hn::Add(start, hn::Mul(half, stride)), zone_end));
       if (hn::AllFalse(kDoubles, behind_zone)) break;
       for (unsigned left = bits_of(behind_zone); left != 0; left &= left - 1) {
         const std::size_t ray = r + static_cast<std::size_t>(std::countr_zero(left));
@@ -300,7 +298,7 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
     Mask taken = hn::And(inside, hn::RebindMask(kDoubles, hn::Eq(zone, zone_wanted)));
     const Double steps_until = hn::Ceil(hn::Sub(hn::Mul(hn::Sub(t.out, enter), steps_per_t), half));
     Double end = hn::Min(hn::Mul(steps_until, stride), zone_end);
-    taken = hn::And(taken, hn::Lt(start, end));
+    taken = hn::And(taken, hn::Lt(hn::Add(start, hn::Mul(half, stride)), end));
     const unsigned taken_bits = bits_of(taken);
     if (taken_bits == 0) return;
     const Double to_centre = hn::Mul(hn::Add(start, hn::Mul(half, stride)), tick_world);
@@ -309,7 +307,7 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
     if (wanted.coarser) {
       steps = hn::Max(one, hn::Ceil(hn::Div(hn::Sub(t.out, centre), t_step)));
     } else {
-      steps = hn::Div(hn::Sub(end, start), stride);
+      steps = hn::Round(hn::Div(hn::Sub(end, start), stride));
     }
     end = hn::Add(start, hn::Mul(steps, all(step_stride)));
     hn::Store(hn::IfThenElse(taken, end, tick), kDoubles, rays.tick + r);
@@ -373,7 +371,7 @@ void project_children_of(const TileProjection& to, const Vec3d& low, double edge
   const Vec3d rows[3] = {to.across, to.down, to.ahead};
   // In doubles: near the eye these cancel.
   double first[3];
-  for (int k = 0; k < 3; ++k) first[k] = to.eye[k] + dot(rows[k], low);
+  for (int k = 0; k < 3; ++k) first[k] = dot(rows[k], low);
   const double nearest = kNear * (std::fabs(ways[2].x) + std::fabs(ways[2].y) + std::fabs(ways[2].z));
   const Float shift_x = set(to.first_x), shift_y = set(to.first_y);
   for (std::size_t child = 0; child < children; child += hn::Lanes(floats)) {
@@ -436,11 +434,11 @@ HWY_EXPORT(gather_stretches_of);
 HWY_EXPORT(project_children_of);
 
 void TileRays::find_zone(const FrameView& frame, std::uint32_t ray) {
-  const FrameView::Zone found = frame.zone_at(enter[ray], static_cast<std::int64_t>(tick[ray]));
+  const FrameView::Zone found = frame.zone_at(enter[ray], tick[ray]);
   zone[ray] = zone_number(found.level, found.blended);
-  stride[ray] = static_cast<double>(frame.stride[found.level]);
+  stride[ray] = frame.stride[found.level];
   steps_per_t[ray] = 1 / (stride[ray] * frame.tick_world);
-  zone_end[ray] = found.end == INT64_MAX ? kNever : static_cast<double>(found.end);
+  zone_end[ray] = found.end;
 }
 
 TileProjection::TileProjection(const FrameView& frame, double apart)
@@ -448,8 +446,7 @@ TileProjection::TileProjection(const FrameView& frame, double apart)
       apart_(apart),
       half_width_(frame.camera.half_width),
       half_height_(frame.camera.half_height),
-      tree_to_world_(inverse(frame.world_to_tree)),
-      eye_world_(frame.camera.eye) {
+      tree_to_world_(inverse(frame.world_to_tree)) {
   const Vec3d(&edge)[3] = tree_to_world_.column;
   for (const double y : {-1.0, 1.0}) {
     for (const double z : {-1.0, 1.0}) {
@@ -460,12 +457,9 @@ TileProjection::TileProjection(const FrameView& frame, double apart)
   // Of a perspective only ratios matter: whatever the world's unit, floats must hold them.
   const double unit = orthographic ? 1 : 1 / diagonal_world_;
   const double rays = unit / (camera.pixel * apart);
-  const Vec3d from_eye = tree_to_world_.origin - camera.eye;
   across = rays * tree_to_world_.transposed_vector(camera.right);
   down = -rays * tree_to_world_.transposed_vector(camera.up);
   ahead = unit * tree_to_world_.transposed_vector(camera.forward);
-  eye = {rays * dot(camera.right, from_eye), -rays * dot(camera.up, from_eye),
-         unit * dot(camera.forward, from_eye)};
 }
 
 void TileProjection::begin_tile(double x, double y) {
@@ -474,8 +468,7 @@ void TileProjection::begin_tile(double x, double y) {
 }
 
 TileProjection::Distances TileProjection::distances(const NodeBox& node) const {
-  const Vec3d centre = tree_to_world_.point(0.5 * (node.low + node.high));
-  const double distance = length(centre - eye_world_);
+  const double distance = length(tree_to_world_.vector(0.5 * (node.low + node.high)));
   const double radius = 0.5 * diagonal_world_ * (node.high.x - node.low.x);
   return {distance - radius, distance + radius};
 }

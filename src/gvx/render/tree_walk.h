@@ -32,8 +32,7 @@ struct Place {
   std::uint32_t lack = 0;  ///< what must be asked for at `node`
   NodeIndex node;
   int level = 0;        ///< of the node
-  double across = 1;    ///< nodes of that level along an axis
-  Vec3d cell;           ///< of the node, in nodes of its level: whole numbers
+  Vec3d cell;           ///< the node, counted from the eye's (level_view.h): whole numbers
   BrickIndex slot;      ///< of the brick to sample
   int brick_level = 0;  ///< of that brick: the node's, or an ancestor's in a preview
   NodeIndex parent;     ///< of the node, where levels are blended
@@ -52,24 +51,58 @@ struct Place {
   }
 };
 
-/// The cell of `level` that holds a point of tree space: along an axis, nodes of that level across.
-GVX_HD inline double cell_along(double p, double low, double high, double across) {
-  // Rounding, or a ray in the plane of a face, can put a sample a hair outside the volume's box.
-  p = p < low ? low : p < high ? p : high;
-  return std::floor(p * across);
-}
+/// The way from the root to a node: of each level's node its place among its parent's children.
+template <int N>
+class PathDown {
+ public:
+  /// To the node of `level` at `cell`, counted from the eye's.
+  GVX_HD PathDown(const LevelView& level, int levels, Vec3d cell) : second_(levels - kMost) {
+    constexpr std::uint64_t kNodes = power(kMost);
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::uint64_t node =
+          level.eye[axis] + static_cast<std::uint64_t>(static_cast<std::int64_t>(cell[axis]));
+      // The middle: whatever rounding does to it, it stays in the node.
+      const auto middle = [](std::uint64_t nodes) { return static_cast<double>(nodes) + 0.5; };
+      if (second_ <= 0) {
+        at_[axis] = middle(node) / level.across;
+      } else {
+        at_[axis] = middle(node / kNodes) / static_cast<double>(power(second_));
+        later_[axis] = middle(node % kNodes) / static_cast<double>(kNodes);
+      }
+    }
+  }
+
+  /// Goes down to a node of `level`.
+  GVX_HD Vec3d down(int level) {
+    if (level - 1 == second_) at_ = later_;
+    Vec3d digit;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double scaled = at_[axis] * N;
+      const int whole = static_cast<int>(scaled);
+      digit[axis] = whole < N ? whole : N - 1;
+      at_[axis] = scaled - digit[axis];
+    }
+    return digit;
+  }
+
+ private:
+  // As many levels as a double tells nodes apart in.
+  static constexpr int kMost = 30;
+  GVX_HD static constexpr std::uint64_t power(int exponent) {
+    std::uint64_t power = 1;
+    for (int i = 0; i < exponent; ++i) power *= N;
+    return power;
+  }
+
+  int second_;  // the level from which on it is `later_` that counts, if above 0
+  Vec3d at_;    // in the node of the present level, or its ancestor of level second_: from 0 to 1
+  Vec3d later_;
+};
 
 template <typename Voxel, int N, int M>
 class TreeWalk {
  public:
   GVX_HD explicit TreeWalk(const PassView<Voxel, N, M>& view) : view_(view) {}
-
-  /// Nodes of a level along an axis.
-  GVX_HD static double across(int level) {
-    double nodes = 1;
-    for (int l = 0; l < level; ++l) nodes *= N;
-    return nodes;
-  }
 
   /// To the node of `level` at this cell, or as far towards it as there is anything to see; with its parent
   /// where levels are `blended`. `outdone(node)` says that nothing below a node matters.
@@ -77,8 +110,9 @@ class TreeWalk {
   GVX_HD Place to(int level, bool blended, Vec3d cell, const Outdone& outdone) const {
     const tree::NodePoolView& nodes = view_.nodes;
     Place place;
-    const double cells = across(level);
-    Vec3d x = (cell + Vec3d(0.5)) / cells;  // the middle: whatever rounding does to it, it stays in the cell
+    const LevelView* levels = view_.frame.levels;
+    PathDown<N> path(levels[level], level, cell);
+    place.cell = view_.frame.root;
     std::uint32_t tile = 0, index = 0;
     while (true) {
       view_.tile_usage.touch(tile, view_.pass);
@@ -117,19 +151,10 @@ class TreeWalk {
         return place;
       }
       tile = child.children().value;
-      index = 0;
-      int factor = 1;
-      for (int axis = 0; axis < 3; ++axis) {
-        const double scaled = x[axis] * N;
-        int digit = static_cast<int>(scaled);
-        digit = digit < N ? digit : N - 1;
-        x[axis] = scaled - digit;
-        place.cell[axis] = place.cell[axis] * N + digit;
-        index += static_cast<std::uint32_t>(digit * factor);
-        factor *= N;
-      }
       ++place.level;
-      place.across *= N;
+      const Vec3d digit = path.down(place.level);
+      index = static_cast<std::uint32_t>(digit.x + N * (digit.y + N * digit.z));
+      place.cell = double(N) * place.cell + (digit - levels[place.level].digit);
     }
   }
 
@@ -179,20 +204,18 @@ class TreeWalk {
   const PassView<Voxel, N, M>& view_;
 };
 
-/// Where in tree space a brick of `level` that holds a place's node lies: `across` bricks along an axis, its
-/// corner in bricks.
+/// Where a brick of `level` that holds a place's node lies in tree space: `across` bricks along an axis, its
+/// low corner from the eye.
 template <int N>
 struct BrickCorner {
   double across;
   Vec3d corner;
 
-  GVX_HD BrickCorner(const Place& place, int level) {
-    double shrink = 1;
-    for (int l = level; l < place.level; ++l) shrink *= N;
-    across = place.across / shrink;
-    for (int axis = 0; axis < 3; ++axis) {
-      corner[axis] = static_cast<double>(static_cast<std::int64_t>(place.cell[axis] / shrink));
-    }
+  GVX_HD BrickCorner(const FrameView& frame, const Place& place, int level) {
+    Vec3d cell = place.cell;
+    for (int l = place.level; l > level; --l) cell = frame.levels[l].parent(cell, N);
+    across = frame.levels[level].across;
+    corner = frame.levels[level].corner(cell);
   }
 };
 

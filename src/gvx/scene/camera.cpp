@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string_view>
 
 namespace gvx::scene {
@@ -13,7 +14,7 @@ constexpr double kRadians = std::numbers::pi / 180;
 
 Error bad_camera(const std::string& what) {
   return Error{"camera: " + what +
-               "; expected eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees (or height=world)"};
+               "; expected origin=x,y,z;eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees (or height=world)"};
 }
 
 Result<double> parse_number(std::string_view text) {
@@ -25,12 +26,19 @@ Result<double> parse_number(std::string_view text) {
   return value;
 }
 
-Result<Vec3d> parse_vector(std::string_view text) {
-  Vec3d v;
+Result<DoubleDouble> parse_long_number(std::string_view text) {
+  const auto value = parse_double_double(text);
+  if (!value) return bad_camera("'" + std::string(text) + "' is not a number");
+  return *value;
+}
+
+template <typename Number>
+Result<Vec3<Number>> parse_vector(std::string_view text, Result<Number> (*parse)(std::string_view)) {
+  Vec3<Number> v;
   for (int axis = 0; axis < 3; ++axis) {
     const std::size_t comma = axis < 2 ? text.find(',') : text.size();
     if (comma == std::string_view::npos) return bad_camera("'" + std::string(text) + "' has too few numbers");
-    GVX_ASSIGN(v[axis], parse_number(text.substr(0, comma)));
+    GVX_ASSIGN(v[axis], parse(text.substr(0, comma)));
     text.remove_prefix(std::min(comma + 1, text.size()));
   }
   return v;
@@ -57,7 +65,7 @@ Result<CameraView> make_view(const Camera& camera, std::uint32_t width, std::uin
     return bad_camera("fov must be between 0 and 180 degrees");
   }
   CameraView view;
-  view.eye = camera.eye;
+  view.eye = Vec3d(camera.eye_world());
   view.forward = normalize(look);
   view.right = normalize(side);
   view.up = cross(view.right, view.forward);
@@ -70,7 +78,10 @@ Result<CameraView> make_view(const Camera& camera, std::uint32_t width, std::uin
 }
 
 std::string to_text(const Camera& camera) {
-  return "eye=" + vector_text(camera.eye) + ";target=" + vector_text(camera.target) +
+  const Vec3dd& o = camera.origin;
+  const bool at_zero = o == Vec3dd();
+  return (at_zero ? "" : "origin=" + to_text(o.x) + ',' + to_text(o.y) + ',' + to_text(o.z) + ';') +
+         "eye=" + vector_text(camera.eye) + ";target=" + vector_text(camera.target) +
          ";up=" + vector_text(camera.up) +
          (camera.orthographic() ? ";height=" + number_text(camera.height_world)
                                 : ";fov=" + number_text(camera.fov_degrees));
@@ -78,6 +89,8 @@ std::string to_text(const Camera& camera) {
 
 Result<Camera> parse_camera(const std::string& text, const Camera& defaults) {
   Camera camera = defaults;
+  std::optional<Vec3dd> origin;
+  std::optional<Vec3d> eye, target;
   std::string_view rest = text;
   while (!rest.empty()) {
     const std::size_t end = std::min(rest.find(';'), rest.size());
@@ -87,12 +100,14 @@ Result<Camera> parse_camera(const std::string& text, const Camera& defaults) {
     const std::size_t equals = part.find('=');
     if (equals == std::string_view::npos) return bad_camera("'" + std::string(part) + "' has no '='");
     const std::string_view name = part.substr(0, equals), value = part.substr(equals + 1);
-    if (name == "eye") {
-      GVX_ASSIGN(camera.eye, parse_vector(value));
+    if (name == "origin") {
+      GVX_ASSIGN(origin, parse_vector(value, parse_long_number));
+    } else if (name == "eye") {
+      GVX_ASSIGN(eye, parse_vector(value, parse_number));
     } else if (name == "target") {
-      GVX_ASSIGN(camera.target, parse_vector(value));
+      GVX_ASSIGN(target, parse_vector(value, parse_number));
     } else if (name == "up") {
-      GVX_ASSIGN(camera.up, parse_vector(value));
+      GVX_ASSIGN(camera.up, parse_vector(value, parse_number));
     } else if (name == "fov") {
       GVX_ASSIGN(camera.fov_degrees, parse_number(value));
       camera.height_world = 0;
@@ -103,6 +118,9 @@ Result<Camera> parse_camera(const std::string& text, const Camera& defaults) {
       return bad_camera("unknown part '" + std::string(name) + "'");
     }
   }
+  if (origin) camera.move_origin(*origin);
+  camera.eye = eye.value_or(camera.eye);
+  camera.target = target.value_or(camera.target);
   GVX_ASSIGN(const CameraView checked, make_view(camera, 1, 1));
   (void)checked;
   return camera;

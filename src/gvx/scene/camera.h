@@ -6,6 +6,7 @@
 #include <string>
 
 #include "gvx/core/affine.h"
+#include "gvx/core/double_double.h"
 #include "gvx/core/ray.h"
 #include "gvx/core/result.h"
 
@@ -18,8 +19,17 @@ struct Camera {
   Vec3d up{0, 1, 0};
   double fov_degrees = 30;  ///< vertical; of a perspective camera
   double height_world = 0;  ///< of the picture; of an orthographic camera
+  /// What eye and target are told from: near a place that takes more digits than a double has.
+  Vec3dd origin = {};
 
   bool orthographic() const { return height_world > 0; }
+  /// Looks at this origin, from where it is.
+  void move_origin(Vec3dd to) {
+    eye = Vec3d(eye_world() - to);
+    target = {};
+    origin = to;
+  }
+  Vec3dd eye_world() const { return origin + Vec3dd(eye); }
   constexpr bool operator==(const Camera&) const = default;
 };
 
@@ -33,9 +43,14 @@ struct CameraView {
 
   /// The ray through the centre of pixel (x, y), (0, 0) at the upper left.
   GVX_HD Ray pixel_ray(double x, double y) const {
+    const Ray ray = pixel_ray_from_eye(x, y);
+    return {eye + ray.origin, ray.direction};
+  }
+  /// The same ray; its origin is told from the eye.
+  GVX_HD Ray pixel_ray_from_eye(double x, double y) const {
     const Vec3d across = (x + 0.5 - half_width) * pixel * right + (half_height - y - 0.5) * pixel * up;
-    if (orthographic) return {eye + across, forward};
-    return {eye, normalize(forward + across)};
+    if (orthographic) return {across, forward};
+    return {{}, normalize(forward + across)};
   }
 };
 
@@ -43,10 +58,11 @@ struct CameraView {
 Result<CameraView> make_view(const Camera& camera, std::uint32_t width, std::uint32_t height);
 
 /// The text that parse_camera takes: "eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees" (or height=world), to full
-/// precision.
+/// precision; with "origin=x,y,z;" before it where that is not 0.
 std::string to_text(const Camera& camera);
 
-/// Reads what to_text writes; parts may be left out and keep the value they have in `defaults`.
+/// Reads what to_text writes; parts may be left out and keep the value they have in `defaults`. The target
+/// beside an origin is that origin if not given.
 Result<Camera> parse_camera(const std::string& text, const Camera& defaults);
 
 /// Frames the world-space image of the box `extent` from a little to one side and above; an anatomical volume

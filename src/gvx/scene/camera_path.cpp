@@ -68,6 +68,8 @@ Result<CameraPath> CameraPath::create(std::vector<KeyFrame> key_frames) {
       return bad(
           "is not of the kind of the first: all fov (perspective) or all height (orthographic) expected");
     }
+    if (!(key.camera.origin == key_frames[0].camera.origin))
+      return bad("is not told from the first one's origin");
     if (const auto view = make_view(key.camera, 1, 1); !view.ok())
       return bad("is no view: " + view.error().message);
   }
@@ -84,12 +86,21 @@ Camera CameraPath::at(double frame) const {
   const double part = (frame - before.frame) / (after->frame - before.frame);
   const auto between = [&](auto get) { return spline(key_frames_, i, part, get); };
   Camera camera;
+  camera.origin = before.camera.origin;
   camera.eye = between([](const Camera& c) { return c.eye; });
   camera.target = between([](const Camera& c) { return c.target; });
   camera.up = normalize(between([](const Camera& c) { return normalize(c.up); }));
   camera.fov_degrees = between([](const Camera& c) { return c.fov_degrees; });
   camera.height_world = between([](const Camera& c) { return c.height_world; });
   return camera;
+}
+
+Camera zoom(const Camera& camera, double factor) {
+  Camera nearer = camera;
+  if (factor == 1) return nearer;
+  nearer.eye = camera.target + (1 / factor) * (camera.eye - camera.target);
+  nearer.height_world = camera.height_world / factor;
+  return nearer;
 }
 
 Camera orbit(const Camera& camera, double degrees) {

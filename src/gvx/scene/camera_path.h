@@ -22,8 +22,8 @@ struct KeyFrame {
 /// between two key frames therefore rests, however fast it comes and goes.
 class CameraPath {
  public:
-  /// At least one key frame, ascending, all perspective or all orthographic; otherwise an error that names
-  /// the first one that is not so.
+  /// At least one key frame, ascending, all perspective or all orthographic, of one origin; otherwise an
+  /// error that names the first one that is not so.
   static Result<CameraPath> create(std::vector<KeyFrame> key_frames);
 
   /// Before the first key frame and after the last one the camera rests.
@@ -36,6 +36,9 @@ class CameraPath {
 
   std::vector<KeyFrame> key_frames_;
 };
+
+/// The camera so many times nearer to its target.
+Camera zoom(const Camera& camera, double factor);
 
 /// The camera turned about the axis through its target along its up, to the right as it sees it.
 Camera orbit(const Camera& camera, double degrees);

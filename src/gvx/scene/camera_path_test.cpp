@@ -104,8 +104,21 @@ TEST(CameraPath, bad_paths_are_errors_that_name_the_key_frame) {
   expect_error({key(0, {1, 0, 0}), key(5, {2, 0, 0}), key(5, {3, 0, 0})}, "key frame 3 is not later");
   expect_error({key(0, {1, 0, 0}), key(-1, {2, 0, 0})}, "key frame 2 is not later");
   expect_error({key(0, {1, 0, 0}), flat}, "key frame 2 is not of the kind");
+  KeyFrame elsewhere = key(9, {3, 0, 0});
+  elsewhere.camera.origin.x = 1;
+  expect_error({key(0, {1, 0, 0}), elsewhere}, "key frame 2 is not told from");
   expect_error({key(NAN, {1, 0, 0})}, "key frame 1 has no finite frame");
   expect_error({key(0, {0, 0, 0})}, "key frame 1");
+}
+
+TEST(Zoom, comes_nearer_however_far) {
+  Camera camera{{3, 2, 1}, {0, 0, 0}, {0, 0, 1}, 40, 0, Vec3dd(0.25, 0.25, 0.5)};
+  const Camera near = zoom(camera, 1e20);
+  EXPECT_NEAR(length(near.eye) * 1e20, length(camera.eye), 1e-14);
+  EXPECT_EQ(near.origin, camera.origin);
+  camera.height_world = 5;
+  EXPECT_EQ(zoom(camera, 2).height_world, 2.5);
+  EXPECT_EQ(zoom(camera, 1), camera);
 }
 
 TEST(Orbit, keeps_distance_and_height_and_closes) {

@@ -22,7 +22,7 @@ TEST(Camera, bad_texts_are_errors_that_say_what) {
                            "eye=0,0,0;target=0,0,0", "eye=0,0,5;target=0,0,0;up=0,0,1"}) {
     const auto camera = parse_camera(text, Camera{});
     ASSERT_FALSE(camera.ok()) << text;
-    EXPECT_NE(camera.error().message.find("expected eye="), std::string::npos) << text;
+    EXPECT_NE(camera.error().message.find("expected origin="), std::string::npos) << text;
   }
 }
 

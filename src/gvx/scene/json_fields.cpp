@@ -123,6 +123,24 @@ std::optional<std::vector<double>> JsonFields::row(const char* name,
   return value == nullptr ? std::nullopt : checked(*value, place_of(name), columns);
 }
 
+std::optional<Vec3dd> JsonFields::long_row(const char* name) {
+  const Json* value = any(name);
+  if (value == nullptr) return std::nullopt;
+  Vec3dd row;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Json* number = value->is_array() && value->size() == 3 ? &(*value)[i] : value;
+    const auto digits = number->is_string()   ? parse_double_double(number->get_ref<const std::string&>())
+                        : number->is_number() ? std::optional<DoubleDouble>(number->get<double>())
+                                              : std::nullopt;
+    if (!digits) {
+      fail(place_of(name), "a list of 3 numbers, or texts of digits", describe(*number));
+      return std::nullopt;
+    }
+    row[static_cast<int>(i)] = *digits;
+  }
+  return row;
+}
+
 std::vector<std::vector<double>> JsonFields::rows(const char* name, const std::vector<NumberRange>& columns) {
   const Json* value = list(name);
   if (value == nullptr) return {};

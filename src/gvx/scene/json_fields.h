@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "gvx/core/double_double.h"
 #include "gvx/core/result.h"
 
 namespace gvx::scene {
@@ -41,6 +42,8 @@ class JsonFields {
   std::optional<std::size_t> choice(const char* name, std::span<const char* const> names);
   /// As many numbers as there are ranges.
   std::optional<std::vector<double>> row(const char* name, const std::vector<NumberRange>& columns);
+  /// Three numbers, or texts of more digits than a double has.
+  std::optional<Vec3dd> long_row(const char* name);
   /// A list of at least one row.
   std::vector<std::vector<double>> rows(const char* name, const std::vector<NumberRange>& columns);
   /// A list of anything; null where it is not there.

@@ -88,6 +88,7 @@ Result<GenerateParts> read_generate(const Json& object, const std::string& place
 
 CameraParts read_camera_fields(JsonFields& fields, const std::string& place) {
   CameraParts camera;
+  camera.origin = fields.long_row("origin");
   camera.eye = vector_of(fields.row("eye", three(kAny)));
   camera.target = vector_of(fields.row("target", three(kAny)));
   camera.up = vector_of(fields.row("up", three(kAny)));

@@ -48,6 +48,7 @@ struct GenerateParts {
 };
 
 struct CameraParts {
+  std::optional<Vec3dd> origin;  ///< if there, and no target, that is the target
   std::optional<Vec3d> eye, target, up;
   std::optional<double> fov_degrees, height_world;  ///< at most one of them
 

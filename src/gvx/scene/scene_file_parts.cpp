@@ -59,6 +59,7 @@ Json to_object(const GenerateParts& parts) {
 }
 
 void put_camera(Json& object, const CameraParts& camera) {
+  if (const auto& o = camera.origin) object["origin"] = {to_text(o->x), to_text(o->y), to_text(o->z)};
   put(object, "eye", camera.eye);
   put(object, "target", camera.target);
   put(object, "up", camera.up);
@@ -121,6 +122,7 @@ void write(const Json& value, std::string& text, const std::string& indent) {
 }  // namespace
 
 CameraParts::CameraParts(const Camera& camera) : eye(camera.eye), target(camera.target), up(camera.up) {
+  if (camera.origin != Vec3dd()) origin = camera.origin;
   if (camera.orthographic()) {
     height_world = camera.height_world;
   } else {
@@ -130,8 +132,9 @@ CameraParts::CameraParts(const Camera& camera) : eye(camera.eye), target(camera.
 
 Camera CameraParts::over(const Camera& base) const {
   Camera camera = base;
-  camera.eye = eye.value_or(base.eye);
-  camera.target = target.value_or(base.target);
+  if (origin) camera.move_origin(*origin);
+  camera.eye = eye.value_or(camera.eye);
+  camera.target = target.value_or(camera.target);
   camera.up = up.value_or(base.up);
   camera.fov_degrees = fov_degrees.value_or(base.fov_degrees);
   camera.height_world = height_world.value_or(fov_degrees ? 0 : base.height_world);

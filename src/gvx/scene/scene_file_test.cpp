@@ -243,7 +243,7 @@ class SceneSchema : public testing::Test {
       check(list ? Json(std::vector<double>(part["minItems"].get<std::size_t>(), value)) : Json(value),
             accepted);
     };
-    const bool whole = number.value("type", "") == "integer";
+    const bool whole = number.contains("type") && number["type"] == "integer";
     const auto beside = [&](double limit, double direction) {
       const double next = std::nextafter(limit, direction * INFINITY);
       return whole && next != std::floor(next) ? limit + direction : next;

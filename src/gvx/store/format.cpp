@@ -69,7 +69,8 @@ std::string node_name(const NodeKey& key) {
 bool TreeShape::contains(const NodeKey& key) const {
   if (key.level >= levels) return false;
   const Vec3i nodes = level_nodes(key.level);
-  return key.x < nodes.x && key.y < nodes.y && key.z < nodes.z;
+  return key.x < static_cast<std::uint64_t>(nodes.x) && key.y < static_cast<std::uint64_t>(nodes.y) &&
+         key.z < static_cast<std::uint64_t>(nodes.z);
 }
 
 }  // namespace gvx::store

@@ -202,11 +202,11 @@ Result<std::shared_ptr<const IndexPage>> StoreReader::page(std::uint64_t index) 
 Result<NodeRecord> StoreReader::node(const NodeKey& key) const {
   GVX_CHECK(info_.shape.contains(key));
   const Vec3i pages = info_.shape.level_pages(key.level);
-  const std::int64_t px = key.x / kPageEdge, py = key.y / kPageEdge, pz = key.z / kPageEdge;
-  const std::uint64_t index =
-      info_.shape.pages_before(key.level) + static_cast<std::uint64_t>((pz * pages.y + py) * pages.x + px);
+  const std::uint64_t px = key.x / kPageEdge, py = key.y / kPageEdge, pz = key.z / kPageEdge;
+  const auto across = static_cast<std::uint64_t>(pages.x), down = static_cast<std::uint64_t>(pages.y);
+  const std::uint64_t index = info_.shape.pages_before(key.level) + (pz * down + py) * across + px;
   GVX_ASSIGN(const auto records, page(index));
-  const std::uint32_t x = key.x % kPageEdge, y = key.y % kPageEdge, z = key.z % kPageEdge;
+  const std::uint64_t x = key.x % kPageEdge, y = key.y % kPageEdge, z = key.z % kPageEdge;
   const NodeRecord record = (*records)[(z * kPageEdge + y) * kPageEdge + x];
   for (const ValueRange range : record.ranges.channel) {
     if (!is_possible(range, info_.format.type)) {
