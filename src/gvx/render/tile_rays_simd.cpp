@@ -244,11 +244,11 @@ HWY_INLINE void put_path(const TileRays& rays, const Double (&p)[3], std::size_t
                          const BrickPlace& place, double m, unsigned taken, HalfFloat fourth,
                          HalfFloat eighth, float (*row)[8]) {
   HalfFloat first[4], per_step[4];
+  const Double voxels = all(place.across * m), voxels_per_step = hn::Mul(t_step, voxels);
   for (int axis = 0; axis < 3; ++axis) {
     const Double direction = hn::Load(kDoubles, rays.direction[axis] + r);
-    const Double in_bricks = hn::Mul(hn::Sub(p[axis], all(place.corner[axis])), all(place.across));
-    first[axis] = to_floats(hn::Mul(in_bricks, all(m)));
-    per_step[axis] = to_floats(hn::Mul(hn::Mul(hn::Mul(direction, t_step), all(place.across)), all(m)));
+    first[axis] = to_floats(hn::Mul(hn::Sub(p[axis], all(place.corner[axis])), voxels));
+    per_step[axis] = to_floats(hn::Mul(direction, voxels_per_step));
   }
   first[3] = fourth;
   per_step[3] = eighth;
@@ -276,7 +276,7 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
     const Mask inside = hn::Lt(t.in, t.out);
     if (hn::AllFalse(kDoubles, inside)) return;
     const Double enter = hn::Load(kDoubles, rays.enter + r);
-    Double tick, stride, steps_per_t, zone_end, start;
+    Double tick, stride, steps_per_t, zone_end, start, middle;
     while (true) {
       tick = hn::Load(kDoubles, rays.tick + r);
       stride = hn::Load(kDoubles, rays.stride + r);
@@ -284,8 +284,9 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
       zone_end = hn::Load(kDoubles, rays.zone_end + r);
       const Double steps_before = hn::Ceil(hn::Sub(hn::Mul(hn::Sub(t.in, enter), steps_per_t), half));
       start = hn::Max(tick, hn::Mul(steps_before, stride));
-      // Both are multiples of the stride.
-      const Mask behind_zone = hn::And(inside, hn::Ge(hn::Add(start, hn::Mul(half, stride)), zone_end));
+      middle = hn::Add(start, hn::Mul(half, stride));
+      // Starts and ends are multiples of the stride, but for rounding.
+      const Mask behind_zone = hn::And(inside, hn::Ge(middle, zone_end));
       if (hn::AllFalse(kDoubles, behind_zone)) break;
       for (unsigned left = bits_of(behind_zone); left != 0; left &= left - 1) {
         const std::size_t ray = r + static_cast<std::size_t>(std::countr_zero(left));
@@ -298,11 +299,10 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
     Mask taken = hn::And(inside, hn::RebindMask(kDoubles, hn::Eq(zone, zone_wanted)));
     const Double steps_until = hn::Ceil(hn::Sub(hn::Mul(hn::Sub(t.out, enter), steps_per_t), half));
     Double end = hn::Min(hn::Mul(steps_until, stride), zone_end);
-    taken = hn::And(taken, hn::Lt(hn::Add(start, hn::Mul(half, stride)), end));
+    taken = hn::And(taken, hn::Lt(middle, end));
     const unsigned taken_bits = bits_of(taken);
     if (taken_bits == 0) return;
-    const Double to_centre = hn::Mul(hn::Add(start, hn::Mul(half, stride)), tick_world);
-    const Double centre = hn::Add(enter, to_centre);
+    const Double centre = hn::Add(enter, hn::Mul(middle, tick_world));
     Double steps;
     if (wanted.coarser) {
       steps = hn::Max(one, hn::Ceil(hn::Div(hn::Sub(t.out, centre), t_step)));
