@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gvx/io/mesh.h"
+#include "gvx/produce/deeper_producer.h"
 #include "gvx/produce/field_producer.h"
 #include "gvx/produce/hypertexture.h"
 #include "gvx/produce/mesh_distance.h"
@@ -90,6 +91,32 @@ Result<MeshScene> open_mesh(const std::string& path, double margin, produce::Tre
 }
 
 /// Example 3 of the report: bricks of 16.
+/// The same with noise that rays add to bricks of distances, which are as coarse as the shell is thick.
+Result<Scene> hypertexture_in_march(const std::string& path, const produce::HypertextureOptions& options,
+                                    std::uint32_t levels) {
+  const double strength = options.strength * options.thickness;
+  const double band = strength * options.noise.most() + options.thickness;
+  produce::TreeDescription tree = density_tree(16, 0);
+  const auto needed =
+      static_cast<std::uint32_t>(std::max(std::ceil(std::log2(4 / options.thickness / 16)), 0.0));
+  tree.max_level = std::min(needed, levels - 1);
+  GVX_ASSIGN(MeshScene mesh, open_mesh(path, 0.1, tree));
+  mesh.tree.format.type = VoxelType::u16;
+  mesh.tree.scale = 2 * band / 65535;
+  mesh.tree.offset = -band;
+  AddedNoise noise{.noise = options.noise, .strength = strength / mesh.tree.scale, .fades = {}};
+  auto bricks = std::make_shared<produce::FieldProducer>(
+      mesh.tree, std::make_shared<produce::MeshDistanceField>(mesh.query, band));
+  GVX_ASSIGN(auto deeper, produce::DeeperProducer::create(std::move(bricks), levels - 1 - tree.max_level));
+  // As opaque as HypertextureField's densities are by the preset "solid".
+  const double t = options.thickness;
+  return Scene{std::move(deeper),
+               "inside",
+               noise,
+               {{-t / 2, {0.95f, 0.90f, 0.82f}}, {t / 2, {0.80f, 0.72f, 0.60f}}},
+               {{-0.067 * t, 0.9}, {0.137 * t, 0}}};
+}
+
 Result<Scene> hypertexture(const std::string& path, produce::HypertextureKind kind, GenerateParts& parts) {
   produce::HypertextureOptions options;
   options.kind = kind;
@@ -100,6 +127,11 @@ Result<Scene> hypertexture(const std::string& path, produce::HypertextureKind ki
   take(options.strength, parts.strength);
   take(options.thickness, parts.thickness);
   take_levels(tree, parts);
+  if (kind == produce::HypertextureKind::hypertexture) {
+    bool in_march = false;
+    take(in_march, parts.in_march);
+    if (in_march) return hypertexture_in_march(path, options, tree.max_level + 1);
+  }
   // As wide as the root's voxels make the shell.
   const double reach = produce::HypertextureField::reach(options, 1.0 / 16);
   GVX_ASSIGN(const MeshScene mesh, open_mesh(path, 0.1, tree));

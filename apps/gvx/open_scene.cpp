@@ -16,6 +16,7 @@
 #include "gvx/io/store_build.h"
 #include "gvx/io/volume_reader.h"
 #include "gvx/produce/amplify_producer.h"
+#include "gvx/produce/deeper_producer.h"
 #include "gvx/produce/repeat_producer.h"
 #include "gvx/produce/store_producer.h"
 #include "gvx/store/store_reader.h"
@@ -124,7 +125,19 @@ Result<Scene> open_repeated(const exec::Device& cpu, std::string name, const io:
   const auto levels = static_cast<std::uint32_t>(std::countr_zero(static_cast<std::uint64_t>(copies)));
   auto many = produce::RepeatProducer::create(std::move(one.producer), levels);
   if (!many.ok()) return Error{name + ": " + many.error().message};
+  // Noise is told in the whole's cube.
+  if (one.noise) return Error{name + ": repeat: noise in the march cannot be repeated"};
   return Scene{std::move(many).value(), one.preset};
+}
+
+/// Rays amplify the volume as they go through it.
+Result<Scene> add_noise_in_march(Scene volume, const std::string& name,
+                                 const produce::AmplifyOptions& options) {
+  if (volume.noise) return Error{name + ": amplify: rays can add noise but once"};
+  const AddedNoise noise = produce::amplification(volume.producer->description(), options);
+  auto deeper = produce::DeeperProducer::create(std::move(volume.producer), options.levels);
+  if (!deeper.ok()) return Error{name + ": amplify: " + deeper.error().message};
+  return Scene{std::move(deeper).value(), volume.preset, noise};
 }
 
 Result<Scene> open_amplified(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw,
@@ -136,10 +149,13 @@ Result<Scene> open_amplified(const exec::Device& cpu, const std::string& name, c
   options.seed = static_cast<std::uint32_t>(parts.seed.value_or(options.seed));
   parts.levels.reset(), parts.seed.reset();
   parts.strength.reset(), parts.gain.reset();
+  const bool in_march = parts.in_march.value_or(false);
+  parts.in_march.reset();
   GVX_ASSIGN(Scene one, open_part(cpu, name, raw, parts));
+  if (in_march) return add_noise_in_march(std::move(one), name, options);
   auto rich = produce::AmplifyProducer::create(std::move(one.producer), options);
   if (!rich.ok()) return Error{name + ": " + rich.error().message};
-  return Scene{std::move(rich).value(), one.preset};
+  return Scene{std::move(rich).value(), one.preset, one.noise};
 }
 
 Result<Scene> open_part(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw,
@@ -172,7 +188,8 @@ Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const
                                    {parts.wavelength.has_value(), "wavelength"},
                                    {parts.gain.has_value(), "gain"},
                                    {parts.strength.has_value(), "strength"},
-                                   {parts.thickness.has_value(), "thickness"}}) {
+                                   {parts.thickness.has_value(), "thickness"},
+                                   {parts.in_march.has_value(), "inMarch"}}) {
     if (left) return Error{name + ": generate: " + what + " is nothing that this scene takes"};
   }
   return opened;

@@ -24,6 +24,11 @@ struct Scene {
   std::shared_ptr<const produce::Producer> producer;
   /// The preset that suits it.
   std::string preset;
+  /// What rays add to its values.
+  std::optional<AddedNoise> noise = {};
+  /// Points that take the place of the preset's.
+  std::vector<scene::ColorPoint> colors = {};
+  std::vector<scene::OpacityPoint> opacities = {};
 };
 
 /// Opens SCENE. `parts` say how it is made; an error where the scene takes one of them not. Another program's

@@ -116,6 +116,7 @@ void SceneFlags::add_generate_to(CLI::App& command) {
   add("--seed", generate_.seed, "Another seed is other noise");
   add("--strength", generate_.strength, "How strong the noise is");
   add("--thickness", generate_.thickness, "Thickness of the shell around a surface, in the cube's sides");
+  command.add_flag("--in-march", in_march_, "Noise is added as rays march, not in bricks")->group(group);
 }
 
 Status SceneFlags::apply(scene::SceneFile& scene) const {
@@ -187,6 +188,7 @@ void SceneFlags::apply_generate(scene::GenerateParts& parts) const {
   lay(parts.seed, generate_.seed);
   lay(parts.strength, generate_.strength);
   lay(parts.thickness, generate_.thickness);
+  if (in_march_) parts.in_march = true;
 }
 
 Result<scene::Camera> SceneFlags::camera(const scene::Camera& base) const {

@@ -42,7 +42,7 @@ class SceneFlags {
   std::vector<std::string> key_frames_, functions_, lights_;
   std::optional<std::uint32_t> antialias_;
   std::optional<double> isovalue_, ambient_, diffuse_, specular_, shininess_, samples_, detail_;
-  bool shaded_ = true, transparent_ = false, finest_ = false;
+  bool shaded_ = true, transparent_ = false, finest_ = false, in_march_ = false;
   CLI::Option *shaded_option_ = nullptr, *transparent_option_ = nullptr, *finest_option_ = nullptr;
   RawFlags raw_;
   scene::GenerateParts generate_;

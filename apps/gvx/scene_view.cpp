@@ -52,7 +52,10 @@ Result<std::vector<scene::FunctionParts>> complete_functions(const scene::SceneF
   if (!gradients.empty() && *scene.mode != scene::Mode::composite) {
     return Error{"--gradient-opacity: only mode composite has opacities"};
   }
-  if (functions.empty()) functions.push_back({.from = projection ? "ramp" : opened.preset});
+  if (functions.empty() && projection) functions.push_back({.from = "ramp"});
+  if (functions.empty()) {
+    functions.push_back({.from = opened.preset, .colors = opened.colors, .opacities = opened.opacities});
+  }
   functions.resize(channels, functions.back());
   if (!gradients.empty()) {
     for (scene::FunctionParts& function : functions) function.gradients = gradients;
@@ -155,6 +158,7 @@ Result<render::View> make_view(const scene::SceneFile& scene, const Scene& opene
   view.samples_per_voxel = *scene.samples;
   view.detail = *scene.detail;
   view.level_of_detail = !*scene.finest;
+  view.noise = opened.noise;
   return view;
 }
 

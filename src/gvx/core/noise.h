@@ -174,6 +174,8 @@ struct FractalNoise {
   double gain = 0.5;
   std::uint32_t seed = 1;
 
+  bool operator==(const FractalNoise&) const = default;
+
   /// The sum at p of what a voxel of width `footprint` resolves: octaves of four voxels and more, and less
   /// and less of those down to two.
   GVX_HD double operator()(Vec3d p, double footprint) const {

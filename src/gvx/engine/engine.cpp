@@ -102,7 +102,7 @@ Status Engine::look(const render::View& view) {
                                              frame_ ? &*frame_ : nullptr));
   const bool sees_otherwise = !view_ || !(view_->functions == view.functions) || view_->mode != view.mode ||
                               view_->isovalue != view.isovalue ||
-                              view_->classification != view.classification;
+                              view_->classification != view.classification || view_->noise != view.noise;
   if (!view_ || view_->width != view.width || view_->height != view.height ||
       view_->antialias != view.antialias) {
     try {

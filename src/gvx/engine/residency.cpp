@@ -280,8 +280,7 @@ void Residency::check_invariants() const {
     tree::NodeInfo info;
     GVX_CHECK(producer_.describe(std::span(&key, 1), std::span(&info, 1)).ok());
     GVX_CHECK(nodes_.ranges(node) == info.ranges || nodes_.ranges(node).constant());
-    GVX_CHECK(content.kind() != tree::ContentKind::constant || info.ranges.constant() ||
-              key.level == producer_.description().max_level);
+    GVX_CHECK(content.kind() != tree::ContentKind::constant || info.ranges.constant() || info.terminal);
   }
 }
 

@@ -11,9 +11,7 @@ namespace {
 /// What a value v of a range becomes with this noise.
 double amplified(double v, ValueRange range, double noise, double strength) {
   const double width = range.maximum - range.minimum;
-  if (!(width > 0)) return v;
-  const double share = std::clamp((v - range.minimum) / width, 0.0, 1.0);
-  return v + strength * width * 4 * share * (1 - share) * noise;
+  return v + strength * width * AddedNoise::share_at(v, range) * noise;
 }
 
 template <typename Voxel>
@@ -27,6 +25,19 @@ Voxel as_voxel(double v) {
 }
 
 }  // namespace
+
+AddedNoise amplification(const TreeDescription& volume, const AmplifyOptions& options) {
+  const double voxel = 1 / (nodes_across(static_cast<int>(volume.n), volume.max_level) * volume.m);
+  // Octaves until the finest voxels resolve no more.
+  const double octaves = std::log2(options.wavelength) + options.levels * std::log2(volume.n);
+  const ValueRange values = volume.ranges.channel[0];
+  return {.noise = {.octaves = static_cast<std::uint32_t>(std::clamp(std::ceil(octaves), 1.0, 32.0)),
+                    .wavelength = options.wavelength * voxel,
+                    .gain = options.gain,
+                    .seed = options.seed},
+          .strength = options.strength * (double(values.maximum) - values.minimum),
+          .fades = values};
+}
 
 Result<std::shared_ptr<const AmplifyProducer>> AmplifyProducer::create(std::shared_ptr<const Producer> volume,
                                                                        const AmplifyOptions& options) {
@@ -45,13 +56,7 @@ AmplifyProducer::AmplifyProducer(std::shared_ptr<const Producer> volume, const A
       finest_(volume_->description().max_level),
       options_(options),
       description_(volume_->description()) {
-  const double voxel = 1 / (nodes_across(static_cast<int>(description_.n), finest_) * description_.m);
-  // Octaves until the finest voxels resolve no more.
-  const auto octaves = std::log2(options_.wavelength) + options_.levels * std::log2(description_.n);
-  noise_ = {.octaves = static_cast<std::uint32_t>(std::clamp(std::ceil(octaves), 1.0, 32.0)),
-            .wavelength = options_.wavelength * voxel,
-            .gain = options_.gain,
-            .seed = options_.seed};
+  noise_ = amplification(description_, options_).noise;
   description_.max_level += options_.levels;
   description_.bricks = 0;
   description_.exact_ranges = false;

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "gvx/core/noise.h"
+#include "gvx/core/added_noise.h"
 #include "gvx/produce/producer.h"
 
 namespace gvx::produce {
@@ -17,6 +17,9 @@ struct AmplifyOptions {
   double gain = 0.6;         ///< how strong an octave is, beside the one before
   std::uint32_t seed = 1;
 };
+
+/// The noise that amplifies a volume.
+AddedNoise amplification(const TreeDescription& volume, const AmplifyOptions& options);
 
 /// Values are mixed between the volume's voxels, and noise is added, most of it in the middle of the values'
 /// range and none at its ends: what is empty or full stays so.

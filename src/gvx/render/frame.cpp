@@ -52,6 +52,9 @@ Status check(const View& view, const TreePlacement& placement) {
   if (view.classification != scene::Classification::preintegrated && !scalar_composite(view, placement)) {
     return Error{"classification: only scalars that are composited are classified after sampling"};
   }
+  if (view.noise && (!scalar || placement.format.planes != 1)) {
+    return Error{"noise: can only be added to a volume of one channel"};
+  }
   if (view.mode == scene::Mode::isosurface && placement.format.planes != 1) {
     return Error{"mode: an isosurface needs a volume of one channel"};
   }
@@ -115,6 +118,14 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   v.tick_world = min_component(spacing) / view.samples_per_voxel;
   v.voxels_per_step = static_cast<float>(1 / view.samples_per_voxel);
   v.max_level = placement.max_level;
+  v.eye_tree = Vec3d(eye);
+  v.finest_voxel = 1 / finest_voxels;
+  v.adds_noise = view.noise.has_value();
+  if (view.noise) {
+    v.noise = *view.noise;
+    v.visibility.noise_reach = static_cast<float>(v.noise.most());
+    v.visibility.noise_fades = v.noise.fades;
+  }
 
   double stride = 1;
   for (int level = placement.max_level; level >= 0; --level, stride *= placement.n) {
@@ -159,7 +170,7 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   v.classification = view.classification;
   const bool by_gradient = v.visibility.functions[0].gradient_factor != nullptr;
   if (v.classification == scene::Classification::post && scalar_composite(view, placement) &&
-      v.visibility.channels == 1 && !by_gradient && device.kind() == exec::DeviceKind::cpu) {
+      v.visibility.channels == 1 && !by_gradient && !v.adds_noise && device.kind() == exec::DeviceKind::cpu) {
     const auto& before = previous != nullptr ? previous->steps_ : nullptr;
     const std::vector<double> strides(v.stride, v.stride + v.max_level + 1);
     const bool same = before != nullptr && before->tables == frame.tables_[0] &&

@@ -44,6 +44,10 @@ struct FrameView {
   Vec3d root;                         ///< counted from the node of its size that the eye is in
   double tick_world = 0;
   int max_level = 0;
+  AddedNoise noise;  ///< where adds_noise
+  bool adds_noise = false;
+  Vec3d eye_tree;                        ///< the eye in tree space
+  double finest_voxel = 0;               ///< its width in tree space
   double lod_distance[kMaxLevels] = {};  ///< the cone is View::detail voxels of level l wide there
   double stride[kMaxLevels] = {};        ///< of a step of level l, in ticks
   float fixed_blend = -1;  ///< share of the coarser level everywhere, if not negative (orthographic)
@@ -113,6 +117,17 @@ struct FrameView {
     if (fixed_blend >= 0) return fixed_blend;
     const double from = lod_distance[level], to = lod_distance[level - 1];
     return (t - from) / (to - from);
+  }
+
+  /// The width of the voxels that are seen at distance t, in tree space: even in t, whatever levels are
+  /// there.
+  GVX_HD double footprint(double t) const {
+    if (fixed_blend >= 0) {
+      const double coarser = fixed_level > 0 ? stride[fixed_level - 1] : stride[fixed_level];
+      return finest_voxel * (stride[fixed_level] + fixed_blend * (coarser - stride[fixed_level]));
+    }
+    const double voxels = t / lod_distance[max_level];
+    return voxels > 1 ? voxels * finest_voxel : finest_voxel;
   }
 
   /// The first tick from which on the cone is View::detail voxels of `level` wide, or kNever.

@@ -24,7 +24,7 @@ GVX_HD inline bool outdone(const FrameView& frame, const tree::NodePoolView& nod
   if (!projects(frame)) return false;
   bool all = true;
   for (std::uint32_t c = 0; c < frame.visibility.channels; ++c) {
-    all = all && outdone(frame.visibility.mode, state, c, nodes.range_of(node, c));
+    all = all && outdone(frame.visibility.mode, state, c, frame.visibility.widened(nodes.range_of(node, c)));
   }
   return all;
 }

@@ -200,6 +200,11 @@ class RayMarcher {
     // Far coarser than wanted, deviations are of more than a step can tell apart: they would show fog.
     s.fine_deviates = place.brick_level < view_.frame.max_level && place.brick_level == step.level;
     s.blended = place.blended;
+    if (view_.frame.adds_noise) {
+      s.noisy = &view_.frame;
+      s.place = view_.frame.eye_tree + step.p;
+      s.place_step = t_step * ray_.direction;
+    }
     if (s.blended) s.coarse = path_in(place.parent_slot, place.level - 1, step, place, t_step);
     return s;
   }

@@ -20,9 +20,13 @@ GVX_HD void composite_post(const RayView& ray, const Stretch<Voxel, M>& s, RaySt
     scene::Matter sum;
     for (std::uint32_t c = 0; c < visibility.channels; ++c) {
       const scene::TransferView& function = visibility.functions[c];
-      const brick::CellSample sample = blended(s, blend, [&](const BrickPath<Voxel, M>& path) {
+      brick::CellSample sample = blended(s, blend, [&](const BrickPath<Voxel, M>& path) {
         return brick::cell_sample<M>(path.brick.plane(c), path.at(i));
       });
+      if (s.noisy != nullptr) {
+        sample.gradient = sample.gradient + s.noise_gradient(sample.value, sample.gradient, i);
+        sample.value = s.with_noise(sample.value, i);
+      }
       const float entry = function.entry_of(sample.value);
       if (function.invisible(entry, entry)) continue;
       const scene::Matter m = function.matter[function.nearest(entry)];

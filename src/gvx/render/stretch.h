@@ -52,10 +52,40 @@ struct Stretch {
   BrickPath<Voxel, M> fine;
   BrickPath<Voxel, M> coarse;  ///< where blended
   bool blended = false;
-  bool fine_deviates = false;  ///< the fine brick is not of the finest level
+  bool fine_deviates = false;        ///< the fine brick is not of the finest level
+  const FrameView* noisy = nullptr;  ///< the frame, where it adds noise
+  Vec3d place, place_step;           ///< then: in tree space, the first step's centre and the way of a step
+
+  /// Where noise is added, and whether that may be seen at a value.
+  GVX_HD bool adds_noise_at(float value) const {
+    return noisy != nullptr && !noisy->visibility.hides_noise_at(value);
+  }
+  GVX_HD float with_noise(float value, float i) const {
+    if (!adds_noise_at(value)) return value;
+    return value + noisy->noise.at(double(value), place + double(i) * place_step, noisy->footprint(t_at(i)));
+  }
+  /// What it adds to a gradient in values a voxel.
+  GVX_HD Vec3f noise_gradient(float value, Vec3f gradient, float i) const {
+    Vec3f added;
+    if (!adds_noise_at(value)) return added;
+    const double width = noisy->footprint(t_at(i));
+    const float voxels = static_cast<float>(width) * fine.voxels_across;
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3d half;
+      half[axis] = 0.5 * width;
+      const Vec3d at = place + double(i) * place_step;
+      const float change = 0.5f * voxels * gradient[axis];
+      added[axis] = (noisy->noise.at(double(value + change), at + half, width) -
+                     noisy->noise.at(double(value - change), at - half, width)) /
+                    voxels;
+    }
+    return added;
+  }
 
   GVX_HD float gradient_scale(const FrameView& frame, float blend) const {
-    const float fine_scale = frame.gradient_scale[level];
+    // Gradients are told a voxel of the brick; with noise voxels count as they are seen.
+    const double seen = noisy != nullptr ? noisy->footprint(t_centre) * double(fine.voxels_across) : 1;
+    const float fine_scale = frame.gradient_scale[level] * static_cast<float>(seen);
     return blended ? fine_scale + blend * (frame.gradient_scale[level - 1] - fine_scale) : fine_scale;
   }
   /// Place i of the step with this centre, or the last on the way there that is in the centre's voxel: so it
@@ -94,9 +124,10 @@ GVX_HD inline auto blended(const Stretch<Voxel, M>& s, float blend, const Of& of
 
 template <typename Voxel, int M>
 GVX_HD inline float value_at(const Stretch<Voxel, M>& s, std::uint32_t channel, float i, float blend) {
-  return blended(s, blend, [&](const BrickPath<Voxel, M>& path) {
+  const float value = blended(s, blend, [&](const BrickPath<Voxel, M>& path) {
     return brick::sample<M>(path.brick.plane(channel), path.at(i));
   });
+  return s.with_noise(value, i);
 }
 
 template <typename Voxel, int M>
@@ -113,9 +144,14 @@ GVX_HD inline ScalarSample sample_at(const Stretch<Voxel, M>& s, std::uint32_t c
 /// so `i` must lie in the node: see held_in_voxel.
 template <typename Voxel, int M>
 GVX_HD inline Vec3f gradient_at(const Stretch<Voxel, M>& s, std::uint32_t channel, float i, float blend) {
-  return blended(s, blend, [&](const BrickPath<Voxel, M>& path) {
+  const Vec3f gradient = blended(s, blend, [&](const BrickPath<Voxel, M>& path) {
     return brick::gradient<M>(path.brick.plane(channel), path.at(i));
   });
+  if (s.noisy == nullptr) return gradient;
+  const float value = blended(s, blend, [&](const BrickPath<Voxel, M>& path) {
+    return brick::sample<M>(path.brick.plane(channel), path.at(i));
+  });
+  return gradient + s.noise_gradient(value, gradient, i);
 }
 
 /// A ray stops when no more than this is left to see: a quarter of a step of 8 bits.

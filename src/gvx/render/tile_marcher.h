@@ -34,6 +34,7 @@ enum class Vectors { none, composite, composite_post, project, find_surface };
 
 inline Vectors vectors_for(const FrameView& frame) {
   const scene::Visibility& visibility = frame.visibility;
+  if (frame.adds_noise) return Vectors::none;
   if (composites_batches(frame)) {
     const bool post = frame.classification == scene::Classification::post;
     return post ? Vectors::composite_post : Vectors::composite;
@@ -222,6 +223,7 @@ class TileMarcher {
     place.lack = has_brick ? 0 : cache::kNeedsBrick;
     place.slot = content.brick();
     place.brick_level = at.level;
+    place.finest = child.terminal();
     go_through(place, box, rect, levels, child.terminal() ? levels.finest : at.level, at.level);
   }
 
@@ -399,6 +401,14 @@ class TileMarcher {
       s.t_centre = work_.rays.centre[ray];
       put_path(batch.fine.row[i], s.fine);
       if (s.blended) put_path(batch.coarse.row[i], s.coarse);
+      if (frame.adds_noise) {
+        const TileRays& rays = work_.rays;
+        const Vec3d origin(rays.origin[0][ray], rays.origin[1][ray], rays.origin[2][ray]);
+        const Vec3d direction(rays.direction[0][ray], rays.direction[1][ray], rays.direction[2][ray]);
+        s.noisy = &frame;
+        s.place = frame.eye_tree + origin + s.t_centre * direction;
+        s.place_step = s.t_step * direction;
+      }
       RayState state = state_of(ray);
       state.phase = RayPhase::under_way;
       gather_stretch(ray_view(ray), s, state);

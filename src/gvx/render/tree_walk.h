@@ -39,12 +39,13 @@ struct Place {
   BrickIndex parent_slot;
   bool blended = false;       ///< with the parent's brick
   bool lacks_coarse = false;  ///< that brick is not there
+  bool finest = false;        ///< there is nothing finer than the brick
   int ancestor_level = -1;    ///< of the finest ancestor with a brick, -1 for none
   BrickIndex ancestor_slot;
 
   GVX_HD bool lacks() const { return lack != 0 || lacks_coarse; }
   /// Is it a preview's stand-in for a brick of `level`?
-  GVX_HD bool coarser_than(int wanted) const { return kind == brick && brick_level < wanted; }
+  GVX_HD bool coarser_than(int wanted) const { return kind == brick && brick_level < wanted && !finest; }
   /// How many levels the brick is coarser than wanted.
   GVX_HD std::uint32_t lack_of(int wanted) const {
     return static_cast<std::uint32_t>(wanted - (ancestor_level >= 0 ? ancestor_level : 0));
@@ -133,6 +134,7 @@ class TreeWalk {
         place.lack = has_brick ? 0 : cache::kNeedsBrick;
         place.slot = content.brick();
         place.brick_level = place.level;
+        place.finest = child.terminal();
         if (blended && place.level == level) {
           const bool parent_here = place.ancestor_level == place.level - 1;
           place.lacks_coarse = !parent_here;
@@ -174,6 +176,7 @@ class TreeWalk {
     place.kind = place.ancestor_level >= 0 ? Place::brick : Place::nothing;
     place.slot = place.ancestor_slot;
     place.brick_level = place.ancestor_level;
+    place.finest = false;
     place.blended = false;
     return place;
   }

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "gvx/core/added_noise.h"
 #include "gvx/core/affine.h"
 #include "gvx/core/ray.h"
 #include "gvx/core/voxel.h"
@@ -36,6 +38,9 @@ struct View {
   /// as the cone, 1 is blurred and loads a quarter.
   double detail = 2;
   static constexpr double kLeastDetail = 0.25, kMostDetail = 16;
+
+  /// Added to the values of a volume of one channel as rays go through it.
+  std::optional<AddedNoise> noise = {};
 
   bool operator==(const View&) const = default;
 };

@@ -82,6 +82,7 @@ Result<GenerateParts> read_generate(const Json& object, const std::string& place
   parts.gain = fields.number("gain", kShare);
   parts.strength = fields.number("strength", kStrength);
   parts.thickness = fields.number("thickness", kLength);
+  parts.in_march = fields.boolean("inMarch");
   GVX_TRY(fields.finish());
   return parts;
 }

@@ -43,6 +43,7 @@ struct GenerateParts {
   std::optional<std::int64_t> octaves, seed;
   std::optional<double> wavelength, gain;  ///< of the first octave; of an octave beside the one before
   std::optional<double> strength, thickness;
+  std::optional<bool> in_march;  ///< noise is added as rays march, not in bricks
 
   bool operator==(const GenerateParts&) const = default;
 };

@@ -55,6 +55,7 @@ Json to_object(const GenerateParts& parts) {
   put(object, "gain", parts.gain);
   put(object, "strength", parts.strength);
   put(object, "thickness", parts.thickness);
+  put(object, "inMarch", parts.in_march);
   return object;
 }
 

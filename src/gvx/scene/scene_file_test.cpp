@@ -18,7 +18,7 @@ const char* const kEverything = R"({
   "volume": "head.gvx",
   "raw": {"dims": [4, 5, 6], "dtype": "i16", "endian": "big", "offset": 12, "spacing": [1, 0.5, 2], "components": 2},
   "generate": {"levels": 9, "resolution": 300, "octaves": 7, "seed": 4, "wavelength": 0.25, "gain": 0.5,
-               "strength": 1.5, "thickness": 0.05},
+               "strength": 1.5, "thickness": 0.05, "inMarch": true},
   "size": [640, 480],
   "antialias": 2,
   "camera": {"eye": [1, 2, 3], "target": [0.1, 0, 0], "up": [0, 0, 1], "fov": 25},
@@ -54,7 +54,7 @@ TEST(SceneFile, reads_every_field) {
   const SceneFile scene = parse_scene(kEverything, "a.json").value();
   EXPECT_EQ(scene.volume, "head.gvx");
   EXPECT_EQ(scene.raw, (RawParts{Vec3i{4, 5, 6}, "i16", true, 12, Vec3d{1, 0.5, 2}, 2}));
-  EXPECT_EQ(scene.generate, (GenerateParts{9, 300, 7, 4, 0.25, 0.5, 1.5, 0.05}));
+  EXPECT_EQ(scene.generate, (GenerateParts{9, 300, 7, 4, 0.25, 0.5, 1.5, 0.05, true}));
   EXPECT_EQ(scene.width, 640u);
   EXPECT_EQ(scene.height, 480u);
   EXPECT_EQ(scene.antialias, 2u);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "gvx/core/added_noise.h"
 #include "gvx/core/voxel.h"
 #include "gvx/scene/transfer_function.h"
 
@@ -30,16 +31,33 @@ struct Visibility {
   std::uint32_t channels = 1;
   float isovalue = 0;  ///< stored
   TransferView functions[kMaxChannels];
+  float noise_reach = 0;   ///< by which rays may find other values than nodes have, at most
+  ValueRange noise_fades;  ///< and towards which values less (core/added_noise.h)
 
   /// Can nothing in a node of these ranges be seen? Conservative: true is certain.
   GVX_HD bool hides(const ChannelRanges& ranges) const {
-    if (mode == Mode::isosurface) return !ranges.channel[0].contains(isovalue);
+    if (mode == Mode::isosurface) return !widened(ranges.channel[0]).contains(isovalue);
     if (mode != Mode::composite) return false;
     bool hidden = true;
     for (std::uint32_t c = 0; c < channels; ++c) {
-      hidden = hidden && functions[c].transparent(ranges.channel[c]);
+      // Where a node has one value, nothing is added.
+      const ValueRange range = ranges.channel[c];
+      hidden = hidden && functions[c].transparent(range.minimum < range.maximum ? widened(range) : range);
     }
     return hidden;
+  }
+  /// And where noise may be added to this value?
+  GVX_HD bool hides_noise_at(float value) const {
+    const ValueRange range = widened({value, value});
+    if (mode == Mode::isosurface) return !range.contains(isovalue);
+    return mode == Mode::composite && functions[0].transparent(range);
+  }
+
+  /// What rays may find where a volume has these values.
+  GVX_HD ValueRange widened(ValueRange range) const {
+    if (!(noise_reach > 0)) return range;
+    const auto reach = static_cast<float>(noise_reach * AddedNoise::most_share(range, noise_fades));
+    return {range.minimum - reach, range.maximum + reach};
   }
 };
 
