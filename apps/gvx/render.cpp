@@ -10,6 +10,7 @@
 #include "gvx/engine/engine.h"
 #include "gvx/io/file_commit.h"
 #include "gvx/io/image.h"
+#include "gvx/io/mesh.h"
 #include "gvx/scene/camera_path.h"
 #include "gvx/scene/scene_file.h"
 #include "open_scene.h"
@@ -21,7 +22,7 @@ namespace gvx::app {
 namespace {
 
 struct Options {
-  std::string scene, output, budget, frames, memory = "512M", device = "cpu", stats, save_scene;
+  std::string scene, output, budget, frames, memory = "512M", device = "cpu", stats, save_scene, proxy;
   int threads = 0, budget_frames = 1;
   double zoom = 0;  // 0: an orbit
   bool exact = false, quiet = false;
@@ -31,6 +32,22 @@ struct Options {
 Result<exec::Device> open_device(const Options& o) {
   if (o.device == "cuda") return exec::Device::cuda();
   return exec::Device::cpu(o.threads);
+}
+
+/// The mesh of --proxy, or one around the nodes that can be seen.
+Result<std::shared_ptr<const produce::Proxy>> open_proxy(const Options& o, const Scene& scene,
+                                                         const render::View& view) {
+  const produce::TreeDescription& tree = scene.producer->description();
+  if (o.proxy != "nodes") {
+    GVX_ASSIGN(io::TriangleMesh mesh, io::read_mesh(o.proxy));
+    return produce::Proxy::create(std::move(mesh), tree);
+  }
+  // What no function shows and no noise can make it show.
+  GVX_ASSIGN(const auto frame, render::Frame::make(exec::Device::cpu(1), view, engine::placement_of(tree)));
+  const scene::Visibility visibility = frame.view().visibility;
+  const std::uint32_t level = std::min(tree.max_level, tree.n == 2 ? 5u : 3u);
+  return produce::Proxy::around_nodes(*scene.producer, level,
+                                      [&](const ChannelRanges& ranges) { return visibility.hides(ranges); });
 }
 
 /// What the command line says: a scene file or a volume, and flags.
@@ -193,6 +210,9 @@ Status render(const Options& o) {
     relate_names(scene, o.save_scene);
     GVX_TRY(write_text(o.save_scene, scene::to_json(scene)));
   }
+  if (!o.proxy.empty()) {
+    GVX_ASSIGN(engine_options.proxy, open_proxy(o, opened, view));
+  }
   GVX_ASSIGN(const auto engine, engine::Engine::create(device, opened.producer, engine_options));
   const Studio studio{o, device, *engine};
   GVX_ASSIGN(const engine::Statistics statistics,
@@ -245,6 +265,9 @@ Command add_render(CLI::App& program) {
   command->add_option("--device", o->device, "Where to render")
       ->check(CLI::IsMember({"cpu", "cuda"}))
       ->capture_default_str();
+  command->add_option("--proxy", o->proxy,
+                      "Rays march between the first and the last place where they cross this closed mesh, "
+                      "which must hold all that is seen; nodes: one around the nodes that can be seen");
   command->add_option("--stats", o->stats, "Write statistics to this JSON file");
   command->add_option("--save-scene", o->save_scene, "Write the scene, flags and all, to this JSON file");
   command->add_flag("--quiet", o->quiet, "Print nothing but errors");

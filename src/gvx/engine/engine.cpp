@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "gvx/exec/parallel.h"
+
 namespace gvx::engine {
 namespace {
 
@@ -86,6 +88,7 @@ Result<std::unique_ptr<Engine>> Engine::create(const exec::Device& device,
   engine->one_ray_at_a_time_ = options.one_ray_at_a_time;
   engine->prefetch_ = options.prefetch;
   engine->adapts_levels_ = options.adapt_levels;
+  engine->proxy_ = options.proxy;
   GVX_TRY(engine->residency_.plant_root());
   return engine;
 }
@@ -127,6 +130,7 @@ Status Engine::look(const render::View& view) {
   }
   view_ = view;
   GVX_TRY(look_coarsely());
+  cut_rays();
   residency_.set_visibility(frame_->view().visibility, sees_otherwise);
   film_->clear();
   unfinished_tiles_.resize(film_->grid().tiles());
@@ -159,12 +163,37 @@ Status Engine::look_coarsely() {
   return {};
 }
 
+/// Finds what the proxy leaves of this view's rays.
+void Engine::cut_rays() {
+  const bool cuts = view_->mode == scene::Mode::composite || view_->mode == scene::Mode::isosurface;
+  if (proxy_ == nullptr || !cuts) {
+    spans_ = {};
+    return;
+  }
+  const render::FrameView frame = frame_->view();
+  const std::size_t rays = std::size_t(frame.width) * frame.height;
+  if (spans_.size() != rays) spans_ = exec::Buffer<RayInterval>(device_, rays);
+  const bool one_eye = !frame.camera.orthographic, eye_inside = one_eye && proxy_->inside(frame.eye_tree);
+  const exec::Device host = device_.kind() == exec::DeviceKind::cpu ? device_ : exec::Device::cpu(0);
+  exec::parallel_for(host, frame.height, [&](std::size_t y) {
+    for (std::uint32_t x = 0; x < frame.width; ++x) {
+      const Ray from_eye = frame.camera.pixel_ray_from_eye(x, double(y));
+      const Ray ray{frame.eye_tree + frame.world_to_tree.vector(from_eye.origin),
+                    frame.world_to_tree.vector(from_eye.direction)};
+      const bool inside = one_eye ? eye_inside : proxy_->inside(ray.origin);
+      spans_.view()[y * frame.width + x] = proxy_->span(ray, inside);
+    }
+  });
+}
+
 render::Pass Engine::pass(const render::Frame& frame) {
   const produce::TreeDescription& tree = producer_->description();
   render::Pass pass;
   pass.n = tree.n;
   pass.m = tree.m;
   pass.frame = frame.view();
+  const bool of_this_view = &frame == &*frame_ || (moving_frame_ && &frame == &*moving_frame_);
+  if (of_this_view && spans_.size() > 0) pass.frame.proxy = spans_.view().data;
   pass.nodes = residency_.nodes().view();
   pass.bricks = residency_.bricks().bytes();
   pass.tile_usage = residency_.tile_usage();

@@ -19,6 +19,7 @@
 #include "gvx/exec/device.h"
 #include "gvx/produce/producer.h"
 #include "gvx/produce/production_queue.h"
+#include "gvx/produce/proxy.h"
 #include "gvx/render/film.h"
 #include "gvx/render/frame.h"
 #include "gvx/render/march_pass.h"
@@ -34,6 +35,8 @@ struct EngineOptions {
   bool prefetch = true;
   /// Frames of a budget show coarser levels of a moving camera's view while they do not come to an end.
   bool adapt_levels = true;
+  /// What rays are cut by where pictures are composited or of isosurfaces: it must hold all that is seen.
+  std::shared_ptr<const produce::Proxy> proxy = {};
 };
 
 /// Where frames find a tree.
@@ -81,6 +84,7 @@ class Engine {
   Engine(const exec::Device& device, std::shared_ptr<const produce::Producer> producer, PoolSizes sizes);
 
   Status look_coarsely();
+  void cut_rays();
   render::Pass pass(const render::Frame& frame);
   void exact_pass(exec::Deadline deadline);
   void begin_preview(std::uint32_t first_block);
@@ -104,6 +108,8 @@ class Engine {
   std::shared_ptr<const produce::Producer> producer_;
   Residency residency_;
   produce::ProductionQueue queue_;
+  std::shared_ptr<const produce::Proxy> proxy_;
+  exec::Buffer<RayInterval> spans_;  // of the film's rays in it; none: rays are not cut
   std::optional<render::View> view_;
   std::optional<render::Frame> frame_;
   std::optional<render::Frame> moving_frame_;  // what previews show instead

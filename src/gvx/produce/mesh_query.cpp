@@ -150,6 +150,14 @@ void MeshQuery::crossings(Vec3f p, int axis, std::vector<float>& distances) cons
   std::sort(distances.begin(), distances.end());
 }
 
+std::optional<std::pair<float, float>> MeshQuery::first_and_last(Vec3f p, Vec3f direction) const {
+  thread_local std::vector<float> distances;
+  scene_->cross(p, direction, distances);
+  if (distances.empty()) return std::nullopt;
+  const auto [first, last] = std::minmax_element(distances.begin(), distances.end());
+  return std::pair(*first, *last);
+}
+
 bool MeshQuery::inside(Vec3f p) const {
   // Oblique, so that they seldom meet an edge of what people model along the axes.
   constexpr Vec3f kWays[] = {
@@ -176,6 +184,9 @@ std::optional<MeshQuery::Nearest> MeshQuery::nearest(Vec3f, float) const {
 }
 void MeshQuery::crossings(Vec3f, int, std::vector<float>& distances) const {
   distances.clear();
+}
+std::optional<std::pair<float, float>> MeshQuery::first_and_last(Vec3f, Vec3f) const {
+  return {};
 }
 bool MeshQuery::inside(Vec3f) const {
   return false;

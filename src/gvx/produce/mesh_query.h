@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "gvx/core/result.h"
@@ -38,6 +39,9 @@ class MeshQuery {
 
   /// Where the half-line from p along an axis crosses the mesh: the distances, sorted.
   void crossings(Vec3f p, int axis, std::vector<float>& distances) const;
+
+  /// Of the half-line p + t * direction, the least and the greatest t where it crosses the mesh.
+  std::optional<std::pair<float, float>> first_and_last(Vec3f p, Vec3f direction) const;
 
   /// Is p inside? Of three lines through p, most must cross the mesh an odd number of times behind it: so
   /// small holes are seldom seen through.

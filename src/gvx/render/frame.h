@@ -42,6 +42,9 @@ struct FrameView {
   Box3d box;                          ///< of the visible volume in tree space, from the eye
   const LevelView* levels = nullptr;  ///< of the tree, up to max_level
   Vec3d root;                         ///< counted from the node of its size that the eye is in
+  /// Of each ray between which distances it sees anything, or null: a proxy's (produce/proxy.h). What is cut
+  /// off makes no difference to a picture; steps are those that they are without.
+  const RayInterval* proxy = nullptr;
   double tick_world = 0;
   int max_level = 0;
   AddedNoise noise;  ///< where adds_noise
@@ -128,6 +131,27 @@ struct FrameView {
     }
     const double voxels = t / lod_distance[max_level];
     return voxels > 1 ? voxels * finest_voxel : finest_voxel;
+  }
+
+  /// The stride of the steps around distance t, of a ray that enters at `enter`.
+  GVX_HD double stride_at(double enter, double t) const {
+    if (fixed_blend >= 0) return stride[fixed_level];
+    int level = max_level;
+    while (level > 0 && (t - enter) / tick_world >= handover(level - 1, enter)) --level;
+    return stride[level];
+  }
+  /// What a proxy leaves of a ray within the volume, two voxels more at either end; the tick to begin at.
+  GVX_HD double cut(const RayInterval& span, RayInterval& inside) const {
+    if (span.empty()) {
+      inside.exit = inside.enter;
+      return 0;
+    }
+    const double margin = 2 / double(voxels_per_step);
+    const double exit = span.exit + margin * stride_at(inside.enter, span.exit) * tick_world;
+    inside.exit = exit < inside.exit ? exit : inside.exit;
+    const double at_begin = stride_at(inside.enter, span.enter);
+    const double steps = std::floor((span.enter - inside.enter) / (at_begin * tick_world) - margin);
+    return steps > 0 ? steps * at_begin : 0;
   }
 
   /// The first tick from which on the cone is View::detail voxels of `level` wide, or kNever.

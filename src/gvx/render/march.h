@@ -28,6 +28,10 @@ class RayMarcher {
     const Ray from_eye = frame.camera.pixel_ray_from_eye(pixel_x, pixel_y);
     ray_ = {frame.world_to_tree.vector(from_eye.origin), frame.world_to_tree.vector(from_eye.direction)};
     inside_ = intersect(ray_, frame.box, 0, 1e300);
+    if (frame.proxy != nullptr && !inside_.empty()) {
+      const auto x = static_cast<std::size_t>(pixel_x), y = static_cast<std::size_t>(pixel_y);
+      first_tick_ = frame.cut(frame.proxy[y * frame.width + x], inside_);
+    }
     for (int axis = 0; axis < 3; ++axis) inverse_direction_[axis] = 1 / ray_.direction[axis];
   }
 
@@ -100,6 +104,7 @@ class RayMarcher {
 
   GVX_HD bool next_step(RayState& state, Step& step) const {
     const FrameView& frame = view_.frame;
+    if (state.tick < first_tick_) state.tick = first_tick_;
     step.tick = state.tick;
     const FrameView::Zone zone = frame.zone_at(inside_.enter, step.tick);
     step.level = zone.level;
@@ -214,7 +219,8 @@ class RayMarcher {
   Ray ray_world_;
   Ray ray_;                  // in tree space, from the eye; t is the distance in the world
   Vec3d inverse_direction_;  // infinite where a direction is 0
-  RayInterval inside_;       // of the visible volume
+  double first_tick_ = 0;    // of what a proxy leaves
+  RayInterval inside_;       // of the visible volume, as far as a proxy leaves it
 };
 
 }  // namespace gvx::render

@@ -72,6 +72,7 @@ class TileMarcher {
     std::fill_n(rays.tick, many, 0.0);
     std::memset(rays.gathered, 0, many * sizeof(rays.gathered[0]));
     std::memset(rays.samples, 0, many * sizeof(rays.samples[0]));
+    if (frame.proxy != nullptr) cut_by_proxy(x0, y0, apart);
     if (preview) std::fill_n(work_.pixel, many, PreviewPixel());
     if (zones_) {
       for (std::uint32_t ray = 0; ray < many; ++ray) {
@@ -168,6 +169,23 @@ class TileMarcher {
     double nearest = 0, farthest = 0;  // distances of the node
   };
 
+  /// Only what the proxy leaves of the rays.
+  void cut_by_proxy(double x0, double y0, double apart) {
+    const FrameView& frame = view_.frame;
+    TileRays& rays = work_.rays;
+    active_.for_each([&](std::uint32_t ray) {
+      const double x = x0 + apart * (ray % TileRays::kEdge), y = y0 + apart * (ray / TileRays::kEdge);
+      if (!(x < frame.width && y < frame.height)) return;
+      RayInterval inside{rays.enter[ray], rays.exit[ray]};
+      const std::size_t index = static_cast<std::size_t>(y) * frame.width + static_cast<std::size_t>(x);
+      rays.tick[ray] = frame.cut(frame.proxy[index], inside);
+      rays.exit[ray] = inside.exit;
+      resumed_ = resumed_ || rays.tick[ray] > 0;
+      if (!inside.empty()) return;
+      active_.clear(ray);
+      rays.exit[ray] = -1;
+    });
+  }
   void leave_out_stubs() {
     TileRays& rays = work_.rays;
     active_.for_each([&](std::uint32_t ray) {
