@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gvx/io/mesh.h"
+#include "gvx/produce/balls_kernel.h"
 #include "gvx/produce/deeper_producer.h"
 #include "gvx/produce/field_producer.h"
 #include "gvx/produce/hypertexture.h"
@@ -48,7 +49,7 @@ produce::TreeDescription density_tree(std::uint32_t m, std::uint32_t max_level) 
 }
 
 /// Example 4 of the 2008 report: bricks of 32, five octaves, 2048^3.
-Scene cloud(GenerateParts& parts) {
+Scene cloud(const exec::Device& device, GenerateParts& parts) {
   produce::HypertextureOptions options;
   options.thickness = 0.1;
   options.strength = 1.1;
@@ -58,6 +59,9 @@ Scene cloud(GenerateParts& parts) {
   take(options.thickness, parts.thickness);
   produce::TreeDescription tree = density_tree(32, 6);
   take_levels(tree, parts);
+  if (device.kind() == exec::DeviceKind::cuda) {
+    return {produce::make_balls_producer(device, tree, produce::cumulus_balls(4), options), "cloud"};
+  }
   auto balls = std::make_shared<produce::BallsField>(produce::cumulus_balls(4));
   return {std::make_shared<produce::FieldProducer>(
               tree, std::make_shared<produce::HypertextureField>(std::move(balls), options)),
@@ -198,7 +202,8 @@ std::size_t file_position(const std::string& scene) {
   }
 }
 
-Result<std::optional<Scene>> open_built_in_scene(const std::string& name, GenerateParts& parts) {
+Result<std::optional<Scene>> open_built_in_scene(const exec::Device& device, const std::string& name,
+                                                 GenerateParts& parts) {
   using Nodes = produce::SpongeProducer::Nodes;
   for (const auto& [sponge, nodes] :
        {std::pair{"sponge", Nodes::shared}, std::pair{"stored-sponge", Nodes::stored}}) {
@@ -206,7 +211,7 @@ Result<std::optional<Scene>> open_built_in_scene(const std::string& name, Genera
       return std::optional(Scene{std::make_shared<produce::SpongeProducer>(16, nodes), "solid"});
     }
   }
-  if (name == "cloud") return std::optional(cloud(parts));
+  if (name == "cloud") return std::optional(cloud(device, parts));
   if (name == "terrain") return std::optional(terrain(parts));
   const std::size_t colon = name.find(':');
   if (colon == std::string::npos) return std::optional<Scene>();

@@ -16,6 +16,7 @@ std::size_t file_position(const std::string& scene);
 
 /// Nothing where `name` is not that of a built-in scene. What the scene takes of `parts` is taken out of
 /// them.
-Result<std::optional<Scene>> open_built_in_scene(const std::string& name, scene::GenerateParts& parts);
+Result<std::optional<Scene>> open_built_in_scene(const exec::Device& device, const std::string& name,
+                                                 scene::GenerateParts& parts);
 
 }  // namespace gvx::app

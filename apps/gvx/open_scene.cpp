@@ -106,11 +106,11 @@ scene::ValueStatistics value_statistics(const produce::TreeDescription& tree, st
 namespace {
 
 /// What is typed, with what was said of it that no scene has taken yet.
-Result<Scene> open_part(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw,
+Result<Scene> open_part(const Devices& devices, const std::string& name, const io::RawOptions& raw,
                         scene::GenerateParts& parts);
 
 /// COPIES:SCENE, or SCENE, which is shown 8 times along each axis.
-Result<Scene> open_repeated(const exec::Device& cpu, std::string name, const io::RawOptions& raw,
+Result<Scene> open_repeated(const Devices& devices, std::string name, const io::RawOptions& raw,
                             scene::GenerateParts& parts) {
   std::int64_t copies = 8;
   const std::size_t digits = name.find_first_not_of("0123456789");
@@ -121,7 +121,7 @@ Result<Scene> open_repeated(const exec::Device& cpu, std::string name, const io:
       return Error{"repeat: the number of copies along an axis must be a power of 2, from 2 on"};
     }
   }
-  GVX_ASSIGN(Scene one, open_part(cpu, name, raw, parts));
+  GVX_ASSIGN(Scene one, open_part(devices, name, raw, parts));
   const auto levels = static_cast<std::uint32_t>(std::countr_zero(static_cast<std::uint64_t>(copies)));
   auto many = produce::RepeatProducer::create(std::move(one.producer), levels);
   if (!many.ok()) return Error{name + ": " + many.error().message};
@@ -140,7 +140,7 @@ Result<Scene> add_noise_in_march(Scene volume, const std::string& name,
   return Scene{std::move(deeper).value(), volume.preset, noise};
 }
 
-Result<Scene> open_amplified(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw,
+Result<Scene> open_amplified(const Devices& devices, const std::string& name, const io::RawOptions& raw,
                              scene::GenerateParts& parts) {
   produce::AmplifyOptions options;
   options.levels = static_cast<std::uint32_t>(parts.levels.value_or(options.levels));
@@ -151,25 +151,25 @@ Result<Scene> open_amplified(const exec::Device& cpu, const std::string& name, c
   parts.strength.reset(), parts.gain.reset();
   const bool in_march = parts.in_march.value_or(false);
   parts.in_march.reset();
-  GVX_ASSIGN(Scene one, open_part(cpu, name, raw, parts));
+  GVX_ASSIGN(Scene one, open_part(devices, name, raw, parts));
   if (in_march) return add_noise_in_march(std::move(one), name, options);
   auto rich = produce::AmplifyProducer::create(std::move(one.producer), options);
   if (!rich.ok()) return Error{name + ": " + rich.error().message};
   return Scene{std::move(rich).value(), one.preset, one.noise};
 }
 
-Result<Scene> open_part(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw,
+Result<Scene> open_part(const Devices& devices, const std::string& name, const io::RawOptions& raw,
                         scene::GenerateParts& parts) {
-  if (name.starts_with("repeat:")) return open_repeated(cpu, name.substr(7), raw, parts);
-  if (name.starts_with("amplify:")) return open_amplified(cpu, name.substr(8), raw, parts);
-  GVX_ASSIGN(std::optional<Scene> built_in, open_built_in_scene(name, parts));
+  if (name.starts_with("repeat:")) return open_repeated(devices, name.substr(7), raw, parts);
+  if (name.starts_with("amplify:")) return open_amplified(devices, name.substr(8), raw, parts);
+  GVX_ASSIGN(std::optional<Scene> built_in, open_built_in_scene(devices.render, name, parts));
   if (built_in) return std::move(*built_in);
   GVX_ASSIGN(const bool store, is_store(name));
   std::unique_ptr<store::StoreReader> reader;
   if (store) {
     GVX_ASSIGN(reader, store::StoreReader::open(name));
   } else {
-    GVX_ASSIGN(reader, build_nameless_store(cpu, name, raw, parts));
+    GVX_ASSIGN(reader, build_nameless_store(devices.cpu, name, raw, parts));
   }
   auto producer = std::make_shared<produce::StoreProducer>(std::move(reader));
   const std::string preset = scene::suggest_preset(value_statistics(producer->description(), 0));
@@ -178,9 +178,9 @@ Result<Scene> open_part(const exec::Device& cpu, const std::string& name, const 
 
 }  // namespace
 
-Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw,
+Result<Scene> open_scene(const Devices& devices, const std::string& name, const io::RawOptions& raw,
                          scene::GenerateParts parts) {
-  GVX_ASSIGN(Scene opened, open_part(cpu, name, raw, parts));
+  GVX_ASSIGN(Scene opened, open_part(devices, name, raw, parts));
   for (const auto& [left, what] : {std::pair{parts.levels.has_value(), "levels"},
                                    {parts.resolution.has_value(), "resolution"},
                                    {parts.octaves.has_value(), "octaves"},

@@ -31,10 +31,15 @@ struct Scene {
   std::vector<scene::OpacityPoint> opacities = {};
 };
 
+struct Devices {
+  exec::Device cpu;     ///< for what only runs there
+  exec::Device render;  ///< where pictures are made, and what kernels make of them
+};
+
 /// Opens SCENE. `parts` say how it is made; an error where the scene takes one of them not. Another program's
 /// volume or mesh is built into a store in the temporary folder that goes when the
 /// program does.
-Result<Scene> open_scene(const exec::Device& cpu, const std::string& name, const io::RawOptions& raw,
+Result<Scene> open_scene(const Devices& devices, const std::string& name, const io::RawOptions& raw,
                          scene::GenerateParts parts);
 
 /// What a transfer function can fit itself to.

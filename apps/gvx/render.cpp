@@ -200,8 +200,8 @@ Status render(const Options& o) {
   GVX_ASSIGN(engine_options.memory_bytes, parse_bytes(o.memory));
   GVX_ASSIGN(scene::SceneFile scene, read_command(o));
   GVX_ASSIGN(const exec::Device device, open_device(o));
-  GVX_ASSIGN(const Scene opened,
-             open_scene(exec::Device::cpu(o.threads), *scene.volume, raw_options(scene.raw), scene.generate));
+  GVX_ASSIGN(const Scene opened, open_scene({exec::Device::cpu(o.threads), device}, *scene.volume,
+                                            raw_options(scene.raw), scene.generate));
   GVX_ASSIGN(scene, complete(scene, o.flags, opened));
   GVX_ASSIGN(const auto path, camera_path(scene));
   GVX_ASSIGN(render::View view, make_view(scene, opened));

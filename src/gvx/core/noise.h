@@ -47,24 +47,24 @@ GVX_HD T gradient_product(std::uint32_t g, T x, T y, T z) {
 struct Interval {
   double low = 0, high = 0;
 };
-inline Interval operator+(Interval a, Interval b) {
+GVX_HD inline Interval operator+(Interval a, Interval b) {
   return {a.low + b.low, a.high + b.high};
 }
-inline Interval operator-(Interval a) {
+GVX_HD inline Interval operator-(Interval a) {
   return {-a.high, -a.low};
 }
 GVX_HD inline double mix(double a, double b, double share) {
   return a + share * (b - a);
 }
 /// For shares from 0 to 1: what is mixed grows with a and with b, and is linear in the share.
-inline Interval mix(Interval a, Interval b, Interval share) {
+GVX_HD inline Interval mix(Interval a, Interval b, Interval share) {
   return {std::fmin(mix(a.low, b.low, share.low), mix(a.low, b.low, share.high)),
           std::fmax(mix(a.high, b.high, share.low), mix(a.high, b.high, share.high))};
 }
-inline Interval fade(Interval t) {
+GVX_HD inline Interval fade(Interval t) {
   return {fade(t.low), fade(t.high)};
 }
-inline Interval from(Interval t, double origin) {
+GVX_HD inline Interval from(Interval t, double origin) {
   return {t.low - origin, t.high - origin};
 }
 GVX_HD inline double from(double t, double origin) {
@@ -138,7 +138,7 @@ GVX_HD inline void add_perlin_row(Vec3d first, double step, std::uint32_t count,
 inline constexpr double kPerlinMost = 1.5;
 
 /// Bounds of the noise in a box, conservative; the tighter the smaller the box.
-inline noise::Interval perlin_bounds(const Box3d& box, std::uint32_t seed) {
+GVX_HD inline noise::Interval perlin_bounds(const Box3d& box, std::uint32_t seed) {
   constexpr double kMargin = 1e-9;  // of rounding
   constexpr std::int64_t kMostCells = 3;
   std::int64_t first[3], last[3];
@@ -215,7 +215,7 @@ struct FractalNoise {
   }
 
   /// Bounds of the sum in a box, for every footprint up to this one.
-  noise::Interval bounds(const Box3d& box, double coarsest_footprint) const {
+  GVX_HD noise::Interval bounds(const Box3d& box, double coarsest_footprint) const {
     noise::Interval sum;
     double amplitude = 1, wave = wavelength;
     for (std::uint32_t i = 0; i < octaves; ++i) {

@@ -1,26 +1,13 @@
 #include "gvx/produce/field_producer.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
-#include <limits>
 #include <utility>
 #include <vector>
 
+#include "gvx/produce/stored_value.h"
+
 namespace gvx::produce {
 namespace {
-
-/// What a value is stored as.
-template <typename Voxel>
-Voxel stored(float value, const TreeDescription& tree) {
-  if constexpr (std::is_same_v<Voxel, float>) {
-    return static_cast<float>((value - tree.offset) / tree.scale);
-  } else {
-    const double v = std::floor((value - tree.offset) / tree.scale + 0.5);
-    // What is no number is the least.
-    return static_cast<Voxel>(std::fmin(std::fmax(v, 0.0), double(std::numeric_limits<Voxel>::max())));
-  }
-}
 
 TreeDescription as_floats(TreeDescription description) {
   description.format = {VoxelType::f32, VoxelContent::scalar, 1};
@@ -41,17 +28,14 @@ FieldProducer::FieldProducer(TreeDescription description, FunctionField::Values 
     : FieldProducer(as_floats(std::move(description)),
                     std::make_shared<FunctionField>(std::move(values), std::move(bounds))) {}
 
-/// Of a node with a rim of n voxels; its coarsest voxels are those of the level above, which is blended in.
 ValueRange FieldProducer::stored_bounds(const NodeKey& key) const {
-  const double n = description_.n, across = nodes_across(static_cast<int>(description_.n), key.level),
-               rim = n / (across * description_.m);
-  const Vec3d low = corner(key) / across;
-  const ValueRange range = field_->bounds({low - Vec3d(rim), low + Vec3d(1 / across + rim)}, rim);
+  const NodeBounds node(key, description_.n, description_.m);
+  const ValueRange range = field_->bounds(node.box, node.coarsest_spacing);
   return with_voxel_type(description_.format.type, [&](auto zero) {
     using Voxel = decltype(zero);
-    // To store never changes the order of two values.
-    return ValueRange{static_cast<float>(stored<Voxel>(range.minimum, description_)),
-                      static_cast<float>(stored<Voxel>(range.maximum, description_))};
+    const StoredValue stored(description_);
+    return ValueRange{static_cast<float>(stored.of<Voxel>(range.minimum)),
+                      static_cast<float>(stored.of<Voxel>(range.maximum))};
   });
 }
 
@@ -63,17 +47,15 @@ Status FieldProducer::describe(std::span<const NodeKey> keys, std::span<tree::No
 }
 
 Status FieldProducer::produce(const NodeKey& key, std::span<std::byte> voxels) const {
-  const double m = description_.m,
-               voxel = 1 / (nodes_across(static_cast<int>(description_.n), key.level) * m);
-  const VoxelBlock block{voxel * (m * corner(key) - Vec3d(0.5)), voxel, description_.m + 2};
+  const VoxelBlock block = block_of(key, description_.n, description_.m);
   thread_local std::vector<float> values;
   values.resize(block.voxels());
   field_->sample(block, values);
   with_voxel_type(description_.format.type, [&](auto zero) {
     using Voxel = decltype(zero);
     auto* out = reinterpret_cast<Voxel*>(voxels.data());
-    std::transform(values.begin(), values.end(), out,
-                   [&](float value) { return stored<Voxel>(value, description_); });
+    const StoredValue stored(description_);
+    std::transform(values.begin(), values.end(), out, [&](float value) { return stored.of<Voxel>(value); });
   });
   return {};
 }

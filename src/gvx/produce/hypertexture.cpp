@@ -8,42 +8,9 @@
 #include "gvx/produce/coverage.h"
 
 namespace gvx::produce {
-namespace {
-
-/// What a coverage of 0 to 1 shows as; grows with it.
-double shaped(HypertextureKind kind, double c) {
-  switch (kind) {
-    case HypertextureKind::hypertexture:
-      return c * c * (3 - 2 * c);
-    case HypertextureKind::blurred:
-      return c * c * c;
-    default:
-      return c;
-  }
-}
-
-/// The share of what is inside that noise leaves.
-double solid_share(double noise) {
-  return std::clamp(0.55 + 0.9 * noise, 0.15, 1.0);
-}
-
-}  // namespace
-
 HypertextureField::HypertextureField(std::shared_ptr<const Field> distance,
                                      const HypertextureOptions& options)
     : distance_(std::move(distance)), options_(options) {}
-
-/// A surface has no shell.
-double HypertextureField::thickness() const {
-  const bool surface =
-      options_.kind == HypertextureKind::pseudo_mesh || options_.kind == HypertextureKind::solid_noise;
-  return surface ? 0 : options_.thickness;
-}
-
-/// By how much noise moves the surface.
-double HypertextureField::strength() const {
-  return options_.kind == HypertextureKind::hypertexture ? options_.strength * options_.thickness : 0;
-}
 
 double HypertextureField::reach(const HypertextureOptions& options, double spacing) {
   return coverage_width(options.thickness, spacing) +
@@ -52,7 +19,7 @@ double HypertextureField::reach(const HypertextureOptions& options, double spaci
 
 void HypertextureField::sample(const VoxelBlock& block, std::span<float> values) const {
   distance_->sample(block, values);
-  const double width = coverage_width(thickness(), block.spacing), strength = this->strength();
+  const double width = coverage_width(options_.shell(), block.spacing), strength = options_.shift();
   const bool solid = options_.kind == HypertextureKind::solid_noise;
   thread_local std::vector<double> noise;
   noise.resize(block.edge);
@@ -74,34 +41,14 @@ void HypertextureField::sample(const VoxelBlock& block, std::span<float> values)
       add_noise([&](double d, double, double) { return coverage(d, width) == 0; });
     }
     for (std::size_t i = 0; i < row.size(); ++i) {
-      const double t = strength > 0 ? row[i] + strength * noise[i] : double(row[i]);
-      double value = shaped(options_.kind, coverage(t, width));
-      if (solid) value *= solid_share(noise[i]);
-      row[i] = static_cast<float>(value);
+      const double here = strength > 0 || solid ? noise[i] : 0;
+      row[i] = static_cast<float>(density_at(options_, double(row[i]), here, block.spacing));
     }
   });
 }
 
 ValueRange HypertextureField::bounds(const Box3d& box, double coarsest_spacing) const {
-  const ValueRange d = distance_->bounds(box, coarsest_spacing);
-  const double strength = this->strength(), shift = strength * options_.noise.most();
-  const double most_width = coverage_width(thickness(), coarsest_spacing);
-  const bool far = d.minimum > 0.5 * most_width + shift || d.maximum < -0.5 * most_width - shift;
-  noise::Interval t{d.minimum, d.maximum};
-  if (strength > 0 && !far) {
-    const noise::Interval n = options_.noise.bounds(box, coarsest_spacing);
-    // Where sample() leaves the noise out it makes no difference.
-    t = {t.low + std::min(strength * n.low, 0.0), t.high + std::max(strength * n.high, 0.0)};
-  }
-  const noise::Interval c = coverage_bounds(t, thickness(), most_width);
-  ValueRange range{static_cast<float>(shaped(options_.kind, c.low)),
-                   static_cast<float>(shaped(options_.kind, c.high))};
-  if (options_.kind == HypertextureKind::solid_noise && range.maximum > 0) {
-    const noise::Interval n = options_.noise.bounds(box, coarsest_spacing);
-    range = {static_cast<float>(shaped(options_.kind, c.low) * solid_share(n.low)),
-             static_cast<float>(shaped(options_.kind, c.high) * solid_share(n.high))};
-  }
-  return range;
+  return density_bounds(options_, distance_->bounds(box, coarsest_spacing), box, coarsest_spacing);
 }
 
 std::uint32_t SparseField::stride_at(double spacing) const {

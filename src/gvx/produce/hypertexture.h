@@ -3,32 +3,13 @@
 /// (Perlin and Hoffert, SIGGRAPH 1989; section 6.3 and example 3 of the 2008 report).
 #pragma once
 
-#include <array>
 #include <memory>
 #include <vector>
 
-#include "gvx/core/noise.h"
+#include "gvx/produce/density.h"
 #include "gvx/produce/field.h"
 
 namespace gvx::produce {
-
-/// The forms of figure 7 of the report.
-enum class HypertextureKind {
-  hypertexture,  ///< a soft step of d + thickness * strength * noise
-  pseudo_mesh,   ///< the surface itself, a voxel or two thick
-  ramp,          ///< an even slope across the shell
-  blurred,       ///< thin towards the outside: a soft silhouette
-  solid_noise    ///< the surface, and noise as what is inside
-};
-inline constexpr std::array<const char*, 5> kHypertextureNames = {"hypertexture", "pseudo-mesh", "ramp",
-                                                                  "blurred", "solid-noise"};
-
-struct HypertextureOptions {
-  HypertextureKind kind = HypertextureKind::hypertexture;
-  double thickness = 0.06;  ///< of the shell, in tree space
-  double strength = 0.9;    ///< of the noise, in thicknesses
-  FractalNoise noise{.octaves = 8, .wavelength = 0.08};
-};
 
 /// Densities from 0 (outside) to 1.
 class HypertextureField final : public Field {
@@ -43,9 +24,6 @@ class HypertextureField final : public Field {
   ValueRange bounds(const Box3d& box, double coarsest_spacing) const override;
 
  private:
-  double thickness() const;
-  double strength() const;
-
   std::shared_ptr<const Field> distance_;
   HypertextureOptions options_;
 };
