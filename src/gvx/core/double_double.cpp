@@ -75,6 +75,7 @@ std::string to_text(DoubleDouble value) {
   digits.erase(digits.find_last_not_of('0') + 1);
   const auto count = static_cast<int>(digits.size());
   constexpr int kMostZeros = 5;
+  const int before_point = exponent + 1;
   if (exponent < -kMostZeros || exponent >= kDigits) {
     if (count > 1) digits.insert(1, 1, '.');
     digits += 'e' + std::to_string(exponent);
@@ -83,7 +84,7 @@ std::string to_text(DoubleDouble value) {
   } else if (count <= exponent) {
     digits.append(static_cast<std::size_t>(exponent + 1 - count), '0');
   } else if (count > exponent + 1) {
-    digits.insert(static_cast<std::size_t>(exponent + 1), 1, '.');
+    digits.insert(static_cast<std::size_t>(before_point), 1, '.');
   }
   return (value.high < 0 ? "-" : "") + digits;
 }

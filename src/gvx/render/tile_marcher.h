@@ -174,7 +174,8 @@ class TileMarcher {
     const FrameView& frame = view_.frame;
     TileRays& rays = work_.rays;
     active_.for_each([&](std::uint32_t ray) {
-      const double x = x0 + apart * (ray % TileRays::kEdge), y = y0 + apart * (ray / TileRays::kEdge);
+      const std::uint32_t column = ray % TileRays::kEdge, row = ray / TileRays::kEdge;
+      const double x = x0 + apart * column, y = y0 + apart * row;
       if (!(x < frame.width && y < frame.height)) return;
       RayInterval inside{rays.enter[ray], rays.exit[ray]};
       const std::size_t index = static_cast<std::size_t>(y) * frame.width + static_cast<std::size_t>(x);
