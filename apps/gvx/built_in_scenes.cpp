@@ -94,8 +94,8 @@ Result<MeshScene> open_mesh(const std::string& path, double margin, produce::Tre
   return MeshScene{std::move(query), tree};
 }
 
-/// Example 3 of the report: bricks of 16.
-/// The same with noise that rays add to bricks of distances, which are as coarse as the shell is thick.
+/// Example 3 of the report with noise that rays add to bricks of distances, which are as coarse as the shell
+/// is thick.
 Result<Scene> hypertexture_in_march(const std::string& path, const produce::HypertextureOptions& options,
                                     std::uint32_t levels) {
   const double strength = options.strength * options.thickness;
@@ -121,6 +121,7 @@ Result<Scene> hypertexture_in_march(const std::string& path, const produce::Hype
                {{-0.067 * t, 0.9}, {0.137 * t, 0}}};
 }
 
+/// Example 3 of the report: bricks of 16.
 Result<Scene> hypertexture(const std::string& path, produce::HypertextureKind kind, GenerateParts& parts) {
   produce::HypertextureOptions options;
   options.kind = kind;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "gvx/produce/stored_value.h"
+
 namespace gvx::produce {
 namespace {
 
@@ -84,12 +86,9 @@ Status AmplifyProducer::describe(std::span<const NodeKey> keys, std::span<tree::
     tree::NodeInfo& info = infos[i];
     if (info.ranges.constant()) continue;
     info.terminal = keys[i].level == description_.max_level;
-    const double n = description_.n, across = nodes_across(static_cast<int>(description_.n), keys[i].level),
-                 rim = n / (across * description_.m);
-    const Vec3d low = corner(keys[i]) / across;
+    const NodeBounds node(keys[i], description_.n, description_.m);
     // For every footprint there is, so that the bounds of a node hold those below.
-    const noise::Interval noise =
-        noise_.bounds({low - Vec3d(rim), low + Vec3d(1 / across + rim)}, std::numeric_limits<double>::max());
+    const noise::Interval noise = noise_.bounds(node.box, std::numeric_limits<double>::max());
     for (std::uint32_t c = 0; c < description_.format.channels(); ++c) {
       ValueRange& range = info.ranges.channel[c];
       const ValueRange all = description_.ranges.channel[c];

@@ -30,13 +30,7 @@ FieldProducer::FieldProducer(TreeDescription description, FunctionField::Values 
 
 ValueRange FieldProducer::stored_bounds(const NodeKey& key) const {
   const NodeBounds node(key, description_.n, description_.m);
-  const ValueRange range = field_->bounds(node.box, node.coarsest_spacing);
-  return with_voxel_type(description_.format.type, [&](auto zero) {
-    using Voxel = decltype(zero);
-    const StoredValue stored(description_);
-    return ValueRange{static_cast<float>(stored.of<Voxel>(range.minimum)),
-                      static_cast<float>(stored.of<Voxel>(range.maximum))};
-  });
+  return stored_range(field_->bounds(node.box, node.coarsest_spacing), description_);
 }
 
 Status FieldProducer::describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const {

@@ -3,6 +3,7 @@
 /// the 2008 report). For device sources only.
 #pragma once
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
 #include <span>
@@ -72,15 +73,8 @@ class KernelProducer final : public Producer {
     const exec::BufferView<const NodeKey> nodes{of.view().data, of.size()};
     exec::for_each(device_, "bound_nodes", keys.size(),
                    BoundNodes<Kernel>{kernel_, description_.n, description_.m, nodes, ranges.view()});
-    const StoredValue stored(description_);
     for (std::size_t i = 0; i < keys.size(); ++i) {
-      const ValueRange range = ranges.view()[i];
-      with_voxel_type(description_.format.type, [&](auto zero) {
-        using Voxel = decltype(zero);
-        infos[i].ranges = ValueRange{static_cast<float>(stored.of<Voxel>(range.minimum)),
-                                     static_cast<float>(stored.of<Voxel>(range.maximum))};
-      });
-      infos[i].terminal = keys[i].level == description_.max_level;
+      infos[i] = {stored_range(ranges.view()[i], description_), keys[i].level == description_.max_level};
     }
     return {};
   }

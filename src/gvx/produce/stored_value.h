@@ -1,5 +1,5 @@
 /// \file
-/// StoredValue: from a value to the voxel that stands for it.
+/// What producers of values share: how a value becomes a voxel, which voxels a node has, and what bounds it.
 #pragma once
 
 #include <cmath>
@@ -30,6 +30,16 @@ struct StoredValue {
     }
   }
 };
+
+/// What a tree stores for the ends of a range of values.
+inline ValueRange stored_range(ValueRange values, const TreeDescription& tree) {
+  return with_voxel_type(tree.format.type, [&](auto zero) {
+    using Voxel = decltype(zero);
+    const StoredValue stored(tree);
+    return ValueRange{static_cast<float>(stored.of<Voxel>(values.minimum)),
+                      static_cast<float>(stored.of<Voxel>(values.maximum))};
+  });
+}
 
 /// What a producer of a tree finds bounds of for a node: it with a rim of n voxels; and its coarsest voxels,
 /// which are those of the level above, blended in.
