@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "gvx/io/mesh.h"
-#include "gvx/produce/balls_kernel.h"
 #include "gvx/produce/deeper_producer.h"
+#include "gvx/produce/field_kernels.h"
 #include "gvx/produce/field_producer.h"
 #include "gvx/produce/hypertexture.h"
 #include "gvx/produce/mesh_distance.h"
@@ -68,12 +68,15 @@ Scene cloud(const exec::Device& device, GenerateParts& parts) {
           "cloud"};
 }
 
-Scene terrain(GenerateParts& parts) {
+Scene terrain(const exec::Device& device, GenerateParts& parts) {
   produce::TerrainOptions options;
   take_noise(options.noise, parts);
   take(options.relief, parts.strength);
   produce::TreeDescription tree = density_tree(16, 12);
   take_levels(tree, parts);
+  if (device.kind() == exec::DeviceKind::cuda) {
+    return {produce::make_terrain_producer(device, tree, options), "solid"};
+  }
   return {std::make_shared<produce::FieldProducer>(tree, std::make_shared<produce::TerrainField>(options)),
           "solid"};
 }
@@ -213,7 +216,7 @@ Result<std::optional<Scene>> open_built_in_scene(const exec::Device& device, con
     }
   }
   if (name == "cloud") return std::optional(cloud(device, parts));
-  if (name == "terrain") return std::optional(terrain(parts));
+  if (name == "terrain") return std::optional(terrain(device, parts));
   const std::size_t colon = name.find(':');
   if (colon == std::string::npos) return std::optional<Scene>();
   return open_of_mesh(name.substr(0, colon), name.substr(colon + 1), parts);

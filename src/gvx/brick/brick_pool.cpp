@@ -10,7 +10,7 @@ BrickPool::BrickPool(const exec::Device& device, std::size_t brick_bytes, std::u
 
 void BrickPool::write(BrickIndex index, std::span<const std::byte> voxels) {
   GVX_CHECK(voxels.size() == brick_bytes_ && index.value < slots());
-  std::memcpy(bytes_.view().data + index.value * brick_bytes_, voxels.data(), brick_bytes_);
+  bytes_.write(index.value * brick_bytes_, voxels);
   cell_masks_.forget(index);
 }
 

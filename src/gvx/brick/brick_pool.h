@@ -54,7 +54,7 @@ class BrickPool {
   std::uint32_t slots() const { return usage_.slots(); }
   std::size_t brick_bytes() const { return brick_bytes_; }
 
-  /// Overwrites a slot with `brick_bytes()` bytes.
+  /// Overwrites a slot with `brick_bytes()` bytes, out of the host's memory or the device's.
   void write(BrickIndex index, std::span<const std::byte> voxels);
 
  private:

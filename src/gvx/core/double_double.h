@@ -20,7 +20,7 @@ struct DoubleDouble {
   constexpr DoubleDouble(double value) : high(value) {}
   constexpr DoubleDouble(double high_, double low_) : high(high_), low(low_) {}
 
-  explicit operator double() const { return high; }
+  GVX_HD constexpr explicit operator double() const { return high; }
   constexpr bool operator==(const DoubleDouble&) const = default;
 };
 

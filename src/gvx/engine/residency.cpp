@@ -47,13 +47,9 @@ Status Residency::plant_root() {
 Status Residency::plant_root_brick() {
   const NodeIndex root = tree::NodePool::root();
   if (nodes_.content(root).kind() != tree::ContentKind::none || nodes_.child(root).transparent()) return {};
-  Produced made{{NodeKey{}, JobKind::brick}, {}, {}, {}, {}, {}};
-  made.voxels.resize(bricks_.brick_bytes());
-  made.status = producer_.produce(made.job.key, made.voxels);
-  askers_[made.job] = {root};
-  std::vector<Produced> batch;
-  batch.push_back(std::move(made));
-  GVX_ASSIGN(const CommitCounts counts, commit(std::move(batch), Eviction::any));
+  const Job job{NodeKey{}, JobKind::brick};
+  askers_[job] = {root};
+  GVX_ASSIGN(const CommitCounts counts, commit(produce::make(producer_, std::span(&job, 1)), Eviction::any));
   GVX_CHECK(counts.committed == 1);
   return {};
 }

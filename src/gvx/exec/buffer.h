@@ -9,6 +9,7 @@
 #include <cstring>
 #include <memory>
 #include <new>
+#include <span>
 #include <type_traits>
 #include <utility>
 
@@ -46,7 +47,6 @@ class Buffer {
     memory_ =
         kind_ == DeviceKind::cuda ? cuda_support::allocate_shared(bytes) : std::calloc(1, bytes + kAlignment);
     if (memory_ == nullptr) throw std::bad_alloc();
-    if (kind_ == DeviceKind::cuda) std::memset(memory_, 0, bytes);
     void* aligned = memory_;
     std::size_t room = bytes + kAlignment;
     data_ =
@@ -62,6 +62,15 @@ class Buffer {
       cuda_support::free_shared(memory_);
     } else {
       std::free(memory_);
+    }
+  }
+
+  /// Writes elements from `first` on, out of the host's memory or a device's.
+  void write(std::size_t first, std::span<const T> source) {
+    if (kind_ == DeviceKind::cuda) {
+      cuda_support::copy(data_ + first, source.data(), source.size_bytes());
+    } else {
+      std::memcpy(data_ + first, source.data(), source.size_bytes());
     }
   }
 

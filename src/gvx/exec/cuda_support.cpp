@@ -36,11 +36,16 @@ std::string device_name() {
 void* allocate_shared(std::size_t bytes) {
   void* memory = nullptr;
   require(cudaMallocManaged(&memory, bytes), "cudaMallocManaged");
+  require(cudaMemset(memory, 0, bytes), "cudaMemset");
   return memory;
 }
 
 void free_shared(void* memory) {
   cudaFree(memory);
+}
+
+void copy(void* to, const void* from, std::size_t bytes) {
+  require(cudaMemcpy(to, from, bytes, cudaMemcpyDefault), "cudaMemcpy");
 }
 
 void synchronize(const char* what) {
@@ -59,6 +64,7 @@ void* allocate_shared(std::size_t) {
   check_failed("a CUDA buffer needs a build with CUDA", __FILE__, __LINE__);
 }
 void free_shared(void*) {}
+void copy(void*, const void*, std::size_t) {}
 void synchronize(const char*) {}
 
 #endif

@@ -33,6 +33,8 @@ class DeeperProducer final : public Producer {
   Status produce(const NodeKey& key, std::span<std::byte> voxels) const override {
     return tree_->produce(key, voxels);
   }
+  Status produce_batch(const BrickBatch& batch) const override { return tree_->produce_batch(batch); }
+  Batching batching() const override { return tree_->batching(); }
   std::uint64_t bytes_read() const override { return tree_->bytes_read(); }
   ProductionTimes times() const override { return tree_->times(); }
 

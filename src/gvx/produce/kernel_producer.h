@@ -6,29 +6,48 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 
 #include "gvx/exec/for_each.h"
+#include "gvx/exec/relaxed.h"
 #include "gvx/produce/producer.h"
 #include "gvx/produce/stored_value.h"
 
 namespace gvx::produce {
 
-/// A voxel of a brick.
+/// The voxels of a batch's bricks.
 template <typename Voxel, typename Kernel>
-struct FillBrick {
+struct FillBricks {
   Kernel kernel;
   StoredValue stored;
-  Vec3d first;  ///< the centre of the brick's first voxel
-  double spacing;
-  std::uint32_t edge;
-  exec::BufferView<Voxel> voxels;
+  exec::BufferView<const VoxelBlock> blocks;  ///< of the bricks
+  std::byte* bytes;
+  std::size_t brick_bytes;
 
   GVX_HD void operator()(std::size_t i) const {
-    const std::size_t row = i / edge, slice = row / edge;
-    const Vec3d place(double(i % edge), double(row % edge), double(slice));
-    voxels[i] = stored.template of<Voxel>(kernel.value(first + spacing * place, spacing));
+    const std::size_t edge = blocks[0].edge, row = i / edge, slice = row / edge, brick = slice / edge;
+    const VoxelBlock& block = blocks[brick];
+    const Vec3d place(double(i % edge), double(row % edge), double(slice % edge));
+    const Vec3d centre = block.first + block.spacing * place;
+    auto* voxels = reinterpret_cast<Voxel*>(bytes + brick * brick_bytes);
+    voxels[i - brick * edge * edge * edge] = stored.template of<Voxel>(kernel.value(centre, block.spacing));
+  }
+};
+
+/// Which bricks have more than one value.
+template <typename Voxel>
+struct FindChanges {
+  std::size_t texels;
+  const std::byte* bytes;
+  std::size_t brick_bytes;
+  exec::BufferView<std::uint32_t> changes;  ///< 1 for those
+
+  GVX_HD void operator()(std::size_t i) const {
+    const std::size_t brick = i / texels;
+    const auto* voxels = reinterpret_cast<const Voxel*>(bytes + brick * brick_bytes);
+    if (voxels[i % texels] != voxels[0]) exec::store_relaxed(&changes[brick], 1);
   }
 };
 
@@ -48,9 +67,11 @@ struct BoundNodes {
 
 /// Kernel: a trivially copyable functor over views, with
 ///
-///     GVX_HD float value(Vec3d centre, double spacing) const;                        of a voxel in tree
-///     space GVX_HD ValueRange bounds(const Box3d& box, double coarsest_spacing) const;     of such values
-///     (Field::bounds)
+///     GVX_HD float value(Vec3d centre, double spacing) const;  // of a voxel in tree space
+///     GVX_HD ValueRange bounds(const Box3d& box, double coarsest_spacing) const;  // as Field::bounds
+///
+/// Bricks are made in batches, in the device's memory, and found there to be constant or not: they go to the
+/// brick pool without coming to the host.
 template <typename Kernel>
 class KernelProducer final : public Producer {
  public:
@@ -67,12 +88,12 @@ class KernelProducer final : public Producer {
   const TreeDescription& description() const override { return description_; }
 
   Status describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const override {
-    exec::Buffer<NodeKey> of(device_, keys.size());
+    exec::Buffer<NodeKey> nodes(device_, keys.size());
     exec::Buffer<ValueRange> ranges(device_, keys.size());
-    std::copy(keys.begin(), keys.end(), of.view().begin());
-    const exec::BufferView<const NodeKey> nodes{of.view().data, of.size()};
+    nodes.write(0, keys);
     exec::for_each(device_, "bound_nodes", keys.size(),
-                   BoundNodes<Kernel>{kernel_, description_.n, description_.m, nodes, ranges.view()});
+                   BoundNodes<Kernel>{kernel_, description_.n, description_.m, std::as_const(nodes).view(),
+                                      ranges.view()});
     for (std::size_t i = 0; i < keys.size(); ++i) {
       infos[i] = {stored_range(ranges.view()[i], description_), keys[i].level == description_.max_level};
     }
@@ -80,14 +101,37 @@ class KernelProducer final : public Producer {
   }
 
   Status produce(const NodeKey& key, std::span<std::byte> voxels) const override {
-    const VoxelBlock block = block_of(key, description_.n, description_.m);
+    exec::Buffer<std::byte> brick(device_, description_.brick_bytes());
+    std::optional<ChannelRanges> constant;
+    GVX_TRY(produce_batch({std::span(&key, 1), {brick.view().data, brick.size()}, std::span(&constant, 1)}));
+    std::memcpy(voxels.data(), brick.view().data, brick.size());
+    return {};
+  }
+
+  /// As many voxels as a GPU has threads, some times over.
+  Batching batching() const override { return {64, device_}; }
+
+  Status produce_batch(const BrickBatch& batch) const override {
+    const std::size_t bricks = batch.keys.size(), bytes = description_.brick_bytes();
+    const std::size_t texels = plane_texels(description_.m);
+    exec::Buffer<VoxelBlock> blocks(device_, bricks);
+    exec::Buffer<std::uint32_t> changes(device_, bricks);
+    for (std::size_t i = 0; i < bricks; ++i) {
+      blocks.view()[i] = block_of(batch.keys[i], description_.n, description_.m);
+    }
     with_voxel_type(description_.format.type, [&](auto zero) {
       using Voxel = decltype(zero);
-      exec::Buffer<Voxel> brick(device_, block.voxels());
-      exec::for_each(device_, "fill_brick", block.voxels(),
-                     FillBrick<Voxel, Kernel>{kernel_, StoredValue(description_), block.first, block.spacing,
-                                              block.edge, brick.view()});
-      std::memcpy(voxels.data(), brick.view().data, block.voxels() * sizeof(Voxel));
+      exec::for_each(device_, "fill_bricks", bricks * texels,
+                     FillBricks<Voxel, Kernel>{kernel_, StoredValue(description_),
+                                               std::as_const(blocks).view(), batch.voxels.data(), bytes});
+      exec::for_each(device_, "find_changes", bricks * texels,
+                     FindChanges<Voxel>{texels, batch.voxels.data(), bytes, changes.view()});
+      for (std::size_t i = 0; i < bricks; ++i) {
+        if (changes.view()[i] != 0) continue;
+        Voxel value;
+        std::memcpy(&value, &batch.voxels[i * bytes], sizeof value);
+        batch.constants[i] = ValueRange{static_cast<float>(value), static_cast<float>(value)};
+      }
     });
     return {};
   }

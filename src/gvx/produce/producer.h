@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "gvx/core/ray.h"
 #include "gvx/core/result.h"
 #include "gvx/core/voxel.h"
+#include "gvx/exec/device.h"
 #include "gvx/tree/node_pool.h"
 
 namespace gvx::produce {
@@ -44,6 +46,22 @@ struct ProductionTimes {
   double reading_milliseconds = 0, decoding_milliseconds = 0;
 };
 
+/// Bricks that are made together.
+struct BrickBatch {
+  std::span<const NodeKey> keys;
+  /// Of as many bricks, one after the other, filled with zeros.
+  std::span<std::byte> voxels;
+  /// For each: a producer that knows says here what value all its voxels have.
+  std::span<std::optional<ChannelRanges>> constants;
+};
+
+/// How a producer likes its batches.
+struct Batching {
+  std::size_t most = 1;  ///< bricks in one, and nodes whose children are described
+  std::optional<exec::Device> device =
+      {};  ///< in whose memory the voxels are; the host's, where none is named
+};
+
 /// All calls are thread-safe and are made from several threads at once.
 class Producer {
  public:
@@ -63,6 +81,16 @@ class Producer {
   /// Fills the brick of a node as core/voxel.h lays it out. `voxels` comes filled with zeros: a producer that
   /// knows no deviations leaves them so.
   virtual Status produce(const NodeKey& key, std::span<std::byte> voxels) const = 0;
+
+  /// The same for many nodes at once, all or none; voxels are where batching() wants them.
+  virtual Status produce_batch(const BrickBatch& batch) const {
+    const std::size_t bytes = description().brick_bytes();
+    for (std::size_t i = 0; i < batch.keys.size(); ++i) {
+      GVX_TRY(produce(batch.keys[i], batch.voxels.subspan(i * bytes, bytes)));
+    }
+    return {};
+  }
+  virtual Batching batching() const { return {}; }
 
   /// Bytes read from files or servers so far.
   virtual std::uint64_t bytes_read() const { return 0; }

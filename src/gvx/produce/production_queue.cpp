@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
+#include <iterator>
 #include <new>
 #include <string>
 #include <utility>
@@ -22,41 +23,96 @@ std::optional<ChannelRanges> single_value(VoxelType type, std::span<const std::b
   });
 }
 
-void do_job(const Producer& producer, Produced& produced) {
+const exec::Device& host() {
+  static const exec::Device device = exec::Device::cpu(1);
+  return device;
+}
+
+void make_bricks(const Producer& producer, std::span<Produced* const> bricks) {
   const TreeDescription& tree = producer.description();
-  const NodeKey& key = produced.job.key;
-  if (produced.job.kind == JobKind::brick) {
-    produced.voxels.resize(tree.brick_bytes());
-    produced.status = producer.produce(key, produced.voxels);
-    const bool may_be_constant = key.level == tree.max_level && !tree.exact_ranges && tree.format.planes == 1;
-    if (produced.status.ok() && may_be_constant) {
-      const std::size_t bytes = plane_texels(tree.m) * voxel_bytes(tree.format.type);
-      produced.constant = single_value(tree.format.type, std::span(produced.voxels).first(bytes));
+  const exec::Device device = producer.batching().device.value_or(host());
+  const std::size_t bytes = tree.brick_bytes();
+  const auto memory = std::make_shared<exec::Buffer<std::byte>>(device, bricks.size() * bytes);
+  const std::span<std::byte> voxels(memory->view().data, memory->size());
+  std::vector<NodeKey> keys;
+  for (const Produced* brick : bricks) keys.push_back(brick->job.key);
+  std::vector<std::optional<ChannelRanges>> constants(keys.size());
+  const Status status = producer.produce_batch({keys, voxels, constants});
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    Produced& brick = *bricks[i];
+    brick.status = status;
+    brick.memory = memory;
+    brick.voxels = voxels.subspan(i * bytes, bytes);
+    const bool may_be_constant =
+        keys[i].level == tree.max_level && !tree.exact_ranges && tree.format.planes == 1;
+    if (!status.ok() || !may_be_constant) continue;
+    brick.constant = constants[i];
+    if (!brick.constant && device.kind() == exec::DeviceKind::cpu) {
+      const std::size_t plane = plane_texels(tree.m) * voxel_bytes(tree.format.type);
+      brick.constant = single_value(tree.format.type, brick.voxels.first(plane));
     }
-  } else {
-    const int n = static_cast<int>(tree.n);
-    for (int i = 0; i < n * n * n; ++i) produced.child_keys.push_back(producer.canonical(child(key, n, i)));
-    produced.children.resize(produced.child_keys.size());
-    produced.status = producer.describe(produced.child_keys, produced.children);
+  }
+}
+
+void describe_children(const Producer& producer, std::span<Produced* const> parents) {
+  const int n = static_cast<int>(producer.description().n);
+  const auto count = static_cast<std::size_t>(n) * n * n;
+  std::vector<NodeKey> keys;
+  for (const Produced* parent : parents) {
+    for (std::size_t i = 0; i < count; ++i) {
+      keys.push_back(producer.canonical(child(parent->job.key, n, static_cast<int>(i))));
+    }
+  }
+  std::vector<tree::NodeInfo> infos(keys.size());
+  const Status status = producer.describe(keys, infos);
+  for (std::size_t p = 0; p < parents.size(); ++p) {
+    const std::span of_keys = std::span(keys).subspan(p * count, count);
+    const std::span of_infos = std::span(infos).subspan(p * count, count);
+    parents[p]->status = status;
+    parents[p]->child_keys.assign(of_keys.begin(), of_keys.end());
+    parents[p]->children.assign(of_infos.begin(), of_infos.end());
+  }
+}
+
+/// Does the jobs of one kind.
+template <typename Work>
+void do_jobs(JobKind kind, std::vector<Produced>& all, Work work) {
+  std::vector<Produced*> produced;
+  for (Produced& p : all) {
+    if (p.job.kind == kind) produced.push_back(&p);
+  }
+  if (produced.empty()) return;
+  const auto fail = [&](const std::string& why) {
+    for (Produced* p : produced) p->status = Error{why};
+  };
+  try {
+    work(produced);
+  } catch (const std::bad_alloc&) {
+    fail("out of memory");
+  } catch (const std::exception& error) {
+    fail(std::string("a producer failed: ") + error.what());
   }
 }
 
 }  // namespace
 
+std::vector<Produced> make(const Producer& producer, std::span<const Job> jobs) {
+  std::vector<Produced> all;
+  for (const Job& job : jobs) all.push_back({job, {}, {}, {}, {}, {}, {}});
+  do_jobs(JobKind::brick, all, [&](std::span<Produced* const> bricks) { make_bricks(producer, bricks); });
+  do_jobs(JobKind::children, all,
+          [&](std::span<Produced* const> parents) { describe_children(producer, parents); });
+  return all;
+}
+
 Produced make(const Producer& producer, const Job& job) {
-  Produced produced{job, {}, {}, {}, {}, {}};
-  try {
-    do_job(producer, produced);
-  } catch (const std::bad_alloc&) {
-    produced.status = Error{"out of memory"};
-  } catch (const std::exception& error) {
-    produced.status = Error{std::string("a producer failed: ") + error.what()};
-  }
-  return produced;
+  return std::move(make(producer, std::span(&job, 1)).front());
 }
 
 ProductionQueue::ProductionQueue(std::shared_ptr<const Producer> producer, int threads)
-    : producer_(std::move(producer)) {
+    : producer_(std::move(producer)),
+      thread_count_(static_cast<std::size_t>(threads)),
+      most_in_batch_(producer_->batching().most) {
   for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
 }
 
@@ -104,24 +160,32 @@ bool ProductionQueue::idle() const {
   return waiting_.empty() && making_ == 0 && finished_.empty();
 }
 
+/// No more than the thread's share: what is most urgent is begun by all threads at once.
+std::vector<Job> ProductionQueue::take_waiting() {
+  const std::size_t share = waiting_.size() / thread_count_;
+  const auto count = static_cast<std::ptrdiff_t>(std::clamp<std::size_t>(share, 1, most_in_batch_));
+  std::vector<Job> jobs(waiting_.rbegin(), waiting_.rbegin() + count);
+  waiting_.erase(waiting_.end() - count, waiting_.end());
+  return jobs;
+}
+
 void ProductionQueue::work() {
   std::unique_lock lock(mutex_);
   while (true) {
     work_came_.wait(lock, [&] { return stopping_ || !waiting_.empty(); });
     if (stopping_) return;
-    const Job job = waiting_.back();
-    waiting_.pop_back();
-    under_way_.insert(job);
+    const std::vector<Job> jobs = take_waiting();
+    under_way_.insert(jobs.begin(), jobs.end());
     ++making_;
     lock.unlock();
-    Produced produced;
+    std::vector<Produced> produced;
     {
       const TimeSum::Span making(making_time_);
-      produced = produce::make(*producer_, job);
+      produced = produce::make(*producer_, jobs);
     }
     lock.lock();
     --making_;
-    finished_.push_back(std::move(produced));
+    std::move(produced.begin(), produced.end(), std::back_inserter(finished_));
     work_done_.notify_all();
   }
 }

@@ -9,11 +9,13 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <thread>
 #include <unordered_set>
 #include <vector>
 
 #include "gvx/core/time_sum.h"
+#include "gvx/exec/buffer.h"
 #include "gvx/produce/producer.h"
 
 namespace gvx::produce {
@@ -38,14 +40,17 @@ struct JobHash {
 struct Produced {
   Job job;
   Status status;
-  std::vector<std::byte> voxels;          ///< of a brick that is not constant
+  std::span<const std::byte> voxels;                      ///< of a brick
+  std::shared_ptr<const exec::Buffer<std::byte>> memory;  ///< that holds them
   std::optional<ChannelRanges> constant;  ///< the one value of a brick that turned out to have but one
   std::vector<NodeKey> child_keys;        ///< of children: canonical
   std::vector<tree::NodeInfo> children;   ///< of children: N^3 of them
 };
 
-/// Does one job, on the calling thread; what the producer throws becomes an error. A brick of one value is a
-/// constant only where nothing is below it: the flat mean of a sub-tree says nothing of the sub-tree.
+/// Does jobs together, on the calling thread; what the producer throws becomes an error, and an error is one
+/// of all bricks or of all children. A brick of one value is a constant only where nothing is below it: the
+/// flat mean of a sub-tree says nothing of the sub-tree.
+std::vector<Produced> make(const Producer& producer, std::span<const Job> jobs);
 Produced make(const Producer& producer, const Job& job);
 
 class ProductionQueue {
@@ -76,8 +81,10 @@ class ProductionQueue {
 
  private:
   void work();
+  std::vector<Job> take_waiting();
 
   std::shared_ptr<const Producer> producer_;
+  std::size_t thread_count_, most_in_batch_;
   mutable std::mutex mutex_;
   std::condition_variable work_came_, work_done_;
   std::vector<Job> waiting_;                    // the most urgent last

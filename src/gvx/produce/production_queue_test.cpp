@@ -11,7 +11,7 @@ namespace gvx::produce {
 namespace {
 
 /// Makes bricks of one value, x of the key; fails where y is 99.
-class CountingProducer final : public Producer {
+class CountingProducer : public Producer {
  public:
   CountingProducer() {
     description_.n = 2;
@@ -92,6 +92,59 @@ TEST(ProductionQueue, turns_what_a_producer_throws_into_an_error) {
   ASSERT_EQ(made.size(), 1u);
   ASSERT_FALSE(made[0].status.ok());
   EXPECT_NE(made[0].status.error().message.find("a bad day"), std::string::npos);
+}
+
+/// Likes batches of 16.
+class BatchingProducer final : public CountingProducer {
+ public:
+  Batching batching() const override { return {16, {}}; }
+  Status produce_batch(const BrickBatch& batch) const override {
+    ++batches;
+    std::size_t before = largest;
+    while (before < batch.keys.size() && !largest.compare_exchange_weak(before, batch.keys.size())) {
+    }
+    return CountingProducer::produce_batch(batch);
+  }
+  mutable std::atomic<int> batches{0};
+  mutable std::atomic<std::size_t> largest{0};
+};
+
+TEST(ProductionQueue, makes_batches_no_greater_than_a_producer_likes) {
+  const auto producer = std::make_shared<BatchingProducer>();
+  std::vector<Job> jobs;
+  for (std::uint32_t x = 0; x < 1000; ++x) {
+    jobs.push_back({{8, x, 0, 1}, JobKind::brick});
+    if (x % 4 == 0) jobs.push_back({{3, x % 8, 5, x / 8}, JobKind::children});
+  }
+  ProductionQueue queue(producer, 2);
+  queue.replace(jobs);
+  const auto made = finish(queue);
+  ASSERT_EQ(made.size(), jobs.size());
+  EXPECT_EQ(producer->made, 1000);
+  EXPECT_GT(producer->largest, 8u);
+  EXPECT_LE(producer->largest, 16u);
+  EXPECT_LT(producer->batches, 200);
+  for (const Produced& p : made) {
+    ASSERT_TRUE(p.status.ok());
+    if (p.job.kind == JobKind::children) {
+      EXPECT_EQ(p.child_keys[0], child(p.job.key, 2, 0));
+      EXPECT_EQ(p.children[0].ranges.channel[0].maximum, static_cast<float>(2 * p.job.key.x));
+    } else {
+      std::uint16_t second = 0;
+      std::memcpy(&second, &p.voxels[2], 2);
+      EXPECT_EQ(second, p.job.key.x);
+    }
+  }
+}
+
+TEST(ProductionQueue, a_batch_fails_as_a_whole) {
+  const BatchingProducer producer;
+  const std::vector<Job> jobs = {
+      {{8, 1, 0, 0}, JobKind::brick}, {{8, 1, 99, 0}, JobKind::brick}, {{1, 0, 0, 0}, JobKind::children}};
+  const std::vector<Produced> made = make(producer, jobs);
+  EXPECT_FALSE(made[0].status.ok());
+  EXPECT_FALSE(made[1].status.ok());
+  EXPECT_TRUE(made[2].status.ok());
 }
 
 TEST(ProductionQueue, an_interior_brick_of_one_value_is_no_constant) {

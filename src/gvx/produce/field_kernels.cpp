@@ -1,4 +1,4 @@
-#include "gvx/produce/balls_kernel.h"
+#include "gvx/produce/field_kernels.h"
 
 #include <algorithm>
 
@@ -34,6 +34,17 @@ struct BallsKernel {
   }
 };
 
+struct TerrainKernel {
+  TerrainOptions options;
+
+  GVX_HD float value(Vec3d p, double spacing) const {
+    return static_cast<float>(options.ground(p, options.noise(options.in_noise(p), spacing), spacing));
+  }
+  GVX_HD ValueRange bounds(const Box3d& box, double coarsest_spacing) const {
+    return options.bounds(box, coarsest_spacing);
+  }
+};
+
 }  // namespace
 
 std::shared_ptr<const Producer> make_balls_producer(const exec::Device& device, const TreeDescription& tree,
@@ -43,6 +54,11 @@ std::shared_ptr<const Producer> make_balls_producer(const exec::Device& device, 
   std::copy(balls.begin(), balls.end(), there->view().begin());
   const BallsKernel kernel{{there->view().data, balls.size()}, options};
   return std::make_shared<KernelProducer<BallsKernel>>(device, tree, kernel, there);
+}
+
+std::shared_ptr<const Producer> make_terrain_producer(const exec::Device& device, const TreeDescription& tree,
+                                                      const TerrainOptions& options) {
+  return std::make_shared<KernelProducer<TerrainKernel>>(device, tree, TerrainKernel{options}, nullptr);
 }
 
 }  // namespace gvx::produce
