@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
@@ -150,9 +151,12 @@ class Rays {
   using Texels = Texels_;
   static constexpr bool kPlain = kPlain_;
 
-  HWY_INLINE Rays(const FrameView& frame, StretchBatch& batch, const Function& function, const Texels& texels,
-                  const std::int32_t* rows, std::size_t count)
+  using Lights = Shading<std::is_integral_v<Voxel>>;
+
+  HWY_INLINE Rays(const FrameView& frame, const Lights& lights, StretchBatch& batch, const Function& function,
+                  const Texels& texels, const std::int32_t* rows, std::size_t count)
       : frame_(frame),
+        lights_(lights),
         batch_(batch),
         function_(function),
         texels_(texels),
@@ -160,9 +164,9 @@ class Rays {
         edge_(static_cast<int>(batch.m)),
         fine_(lanes_.fine(batch)),
         coarse_(!kPlain && batch.blended ? lanes_.coarse(batch) : fine_),
-        to_eye_(frame.lighting.lighting.enabled ? lanes_.to_eye(batch) : fine_.first) {
+        to_eye_(lights.lit() ? lanes_.to_eye(batch) : fine_.first) {
     lanes_.load(batch, color_, opacity_);
-    if (is_lit()) far_lights_.find(frame, to_eye_);
+    if (lights.lit()) lights.find_halves(to_eye_, halves_);
   }
 
   HWY_INLINE const BatchLanes& lanes() const { return lanes_; }
@@ -231,7 +235,7 @@ class Rays {
     opacity_ = hn::Add(opacity_, weight);
   }
 
-  HWY_INLINE bool is_lit() const { return frame_.lighting.lighting.enabled; }
+  HWY_INLINE bool is_lit() const { return lights_.lit(); }
   HWY_INLINE bool by_gradient() const { return frame_.visibility.functions[0].gradient_factor != nullptr; }
 
   HWY_INLINE void add_lit(Float i, const Slope& slope, const Seen& seen) {
@@ -284,7 +288,7 @@ class Rays {
     if constexpr (!kPlain) {
       if (batch_.blended) across = mix(across, all(batch_.coarse.voxels_across), slope.blend);
     }
-    const Float length = hn::Sqrt(world_length2(frame_, slope.gradient));
+    const Float length = hn::Sqrt(lights_.world_length2(slope.gradient));
     return function_.factor_of_gradient(hn::Mul(length, across));
   }
 
@@ -312,11 +316,12 @@ class Rays {
     if constexpr (!kPlain) {
       if (batch_.blended) scale = mix(scale, all(batch_.coarse.gradient_scale), slope.blend);
     }
-    return shade(frame_, scaled(all(1 / frame_.soft_gradient[0]), slope.gradient), scale, to_eye_,
-                 far_lights_, [&]() HWY_ATTR { return lanes_.places(batch_).at(i); });
+    return lights_.shade(slope.gradient, scale, to_eye_, halves_,
+                         [&]() HWY_ATTR { return lanes_.places(batch_).at(i); });
   }
 
   const FrameView& frame_;
+  const Lights& lights_;
   StretchBatch& batch_;
   const Function& function_;
   const Texels& texels_;
@@ -324,7 +329,7 @@ class Rays {
   const int edge_;
   const PathRows fine_, coarse_;
   const Vec3v to_eye_;
-  FarLights far_lights_;
+  typename Lights::FarHalves halves_;
   Vec3v color_;
   Float opacity_;
   Int samples_ = hn::Zero(kInts);

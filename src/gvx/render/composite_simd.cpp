@@ -290,8 +290,9 @@ void composite_with(const FrameView& frame, StretchBatch& batch, const Texels& t
   using RaysOf = Rays<Voxel, Texels, kPlain>;
   constexpr std::size_t kLanes = hn::MaxLanes(kFloats);
   const Function function(frame.visibility.functions[0]);
+  const typename RaysOf::Lights lights(frame);
   const auto rays_at = [&](const std::int32_t* rows, std::size_t count)
-                           HWY_ATTR { return RaysOf(frame, batch, function, texels, rows, count); };
+                           HWY_ATTR { return RaysOf(frame, lights, batch, function, texels, rows, count); };
   std::uint32_t stepping = batch.count;
   for (bool begun = false; stepping > 0; begun = true) {
     batch.waiting_count = 0;

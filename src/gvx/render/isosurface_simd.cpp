@@ -22,8 +22,12 @@ namespace {
 template <typename Voxel>
 class SurfaceFinder {
  public:
-  HWY_INLINE SurfaceFinder(const FrameView& frame, StretchBatch& batch, std::size_t lane)
+  using Lights = Shading<std::is_integral_v<Voxel>>;
+
+  HWY_INLINE SurfaceFinder(const FrameView& frame, const Lights& lights, StretchBatch& batch,
+                           std::size_t lane)
       : frame_(frame),
+        lights_(lights),
         batch_(batch),
         lanes_(batch, lane),
         edge_(static_cast<int>(batch.m)),
@@ -108,7 +112,7 @@ class SurfaceFinder {
 
   HWY_INLINE Shade shade_at(Float centre, Float hit) const {
     const Float zero = hn::Zero(kFloats), one = all(1);
-    if (!frame_.lighting.lighting.enabled) return {{one, one, one}, {zero, zero, zero}};
+    if (!lights_.lit()) return {{one, one, one}, {zero, zero, zero}};
     const Float lit = held_in_voxel(fine_, centre, hit);
     Vec3v g = gradient(PlainTexels<Voxel>(batch_.fine.brick), edge_, fine_.at(lit));
     if (batch_.blended) {
@@ -117,14 +121,15 @@ class SurfaceFinder {
       g = {mix(g.x, coarse.x, blend), mix(g.y, coarse.y, blend), mix(g.z, coarse.z, blend)};
     }
     const Vec3v to_eye = lanes_.to_eye(batch_);
-    FarLights far_lights;
-    far_lights.find(frame_, to_eye);
+    typename Lights::FarHalves halves;
+    lights_.find_halves(to_eye, halves);
     // A surface for certain.
-    return shade(frame_, scaled(all(1 / frame_.soft_gradient[0]), g), all(1e15f), to_eye, far_lights,
-                 [&]() HWY_ATTR { return lanes_.places(batch_).at(hit); });
+    return lights_.shade(g, all(1e15f), to_eye, halves,
+                         [&]() HWY_ATTR { return lanes_.places(batch_).at(hit); });
   }
 
   const FrameView& frame_;
+  const Lights& lights_;
   StretchBatch& batch_;
   const BatchLanes lanes_;
   const int edge_;
@@ -134,8 +139,9 @@ class SurfaceFinder {
 template <typename Voxel>
 void find_surfaces(const FrameView& frame, StretchBatch& batch) {
   batch.opaque_count = 0;
+  const typename SurfaceFinder<Voxel>::Lights lights(frame);
   for (std::size_t lane = 0; lane < batch.count; lane += hn::Lanes(kFloats)) {
-    SurfaceFinder<Voxel>(frame, batch, lane).run();
+    SurfaceFinder<Voxel>(frame, lights, batch, lane).run();
   }
 }
 

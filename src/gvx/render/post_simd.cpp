@@ -24,9 +24,12 @@ namespace {
 template <typename Texels, bool kPlain, int kVectors>
 class Post {
  public:
-  HWY_INLINE Post(const FrameView& frame, StretchBatch& batch, const BatchLanes (&lanes)[kVectors],
-                  const Texels& fine, const Texels& coarse)
+  using Lights = Shading<Texels::kWhole>;
+
+  HWY_INLINE Post(const FrameView& frame, const Lights& lights, StretchBatch& batch,
+                  const BatchLanes (&lanes)[kVectors], const Texels& fine, const Texels& coarse)
       : frame_(frame),
+        lights_(lights),
         batch_(batch),
         lanes_(lanes),
         function_(frame.visibility.functions[0]),
@@ -35,7 +38,7 @@ class Post {
         coarse_(coarse) {}
 
   HWY_INLINE void run() {
-    const bool lit = frame_.lighting.lighting.enabled, all_cells = batch_.cells == ~std::uint64_t(0);
+    const bool lit = lights_.lit(), all_cells = batch_.cells == ~std::uint64_t(0);
     const Float opaque = all(kOpaque), one = all(1);
     const std::byte* table = reinterpret_cast<const std::byte*>(
         frame_.step_colors + std::size_t(batch_.level) * scene::TransferView::kEntries);
@@ -43,7 +46,7 @@ class Post {
     Float end[kVectors], opacity[kVectors], most = hn::Zero(kFloats);
     Int samples[kVectors];
     Vec3v color[kVectors], to_eye[kVectors];
-    FarLights far_lights[kVectors];
+    typename Lights::FarHalves halves[kVectors];
     for (int k = 0; k < kVectors; ++k) {
       path[k] = lanes_[k].fine(batch_);
       end[k] = lanes_[k].steps(path[k]);
@@ -51,7 +54,7 @@ class Post {
       samples[k] = hn::Zero(kInts);
       lanes_[k].load(batch_, color[k], opacity[k]);
       to_eye[k] = lit ? lanes_[k].to_eye(batch_) : path[k].first;
-      if (lit) far_lights[k].find(frame_, to_eye[k]);
+      if (lit) lights_.find_halves(to_eye[k], halves[k]);
     }
     const float last = hn::GetLane(hn::MaxOfLanes(kFloats, most));
     for (float step = 0; step < last; step += 1) {
@@ -91,9 +94,11 @@ class Post {
         const Float step_opacity = hn::BitCast(kFloats, bits[k][3]);
         const Float weight = hn::IfThenElseZero(seen[k], hn::Mul(hn::Sub(one, opacity[k]), step_opacity));
         if (lit) {
-          const Shade light = shade_at(i, sample[k], blend[k], lanes_[k], to_eye[k], far_lights[k]);
+          const Shade light = shade_at(i, sample[k], blend[k], lanes_[k], to_eye[k], halves[k]);
           const auto gather_color = [&](Float sum, Float color_of, Float body, Float glint) HWY_ATTR {
-            return hn::IfThenElse(seen[k], hn::MulAdd(weight, hn::MulAdd(color_of, body, glint), sum), sum);
+            const Float more = hn::MulAdd(weight, hn::MulAdd(color_of, body, glint), sum);
+            // Of whole numbers every shade is a number, and nothing of it is nothing.
+            return Texels::kWhole ? more : hn::IfThenElse(seen[k], more, sum);
           };
           color[k].x = gather_color(color[k].x, step_color.x, light.body.x, light.glint.x);
           color[k].y = gather_color(color[k].y, step_color.y, light.body.y, light.glint.y);
@@ -131,15 +136,15 @@ class Post {
   }
 
   HWY_INLINE Shade shade_at(Float i, const CellSample& sample, Float blend, const BatchLanes& lanes,
-                            const Vec3v& to_eye, const FarLights& far_lights) const {
+                            const Vec3v& to_eye, const typename Lights::FarHalves& halves) const {
     Float scale = all(batch_.fine.gradient_scale);
     if constexpr (!kPlain) scale = mix(scale, all(batch_.coarse.gradient_scale), blend);
-    const Vec3v relative = scaled(all(1 / frame_.soft_gradient[0]), sample.gradient);
-    return shade(frame_, relative, scale, to_eye, far_lights,
-                 [&]() HWY_ATTR { return lanes.places(batch_).at(i); });
+    return lights_.shade(sample.gradient, scale, to_eye, halves,
+                         [&]() HWY_ATTR { return lanes.places(batch_).at(i); });
   }
 
   const FrameView& frame_;
+  const Lights& lights_;
   StretchBatch& batch_;
   const BatchLanes (&lanes_)[kVectors];
   const Function function_;
@@ -151,14 +156,15 @@ template <bool kPlain, typename Texels>
 void post_all(const FrameView& frame, StretchBatch& batch, const Texels& fine, const Texels& coarse) {
   constexpr std::size_t kLanes = hn::MaxLanes(kFloats);
   batch.opaque_count = 0;
+  const Shading<Texels::kWhole> lights(frame);
   std::size_t lane = 0;
   for (; lane + kLanes < batch.count; lane += 2 * kLanes) {
     const BatchLanes lanes[2] = {{batch, lane}, {batch, lane + kLanes}};
-    Post<Texels, kPlain, 2>(frame, batch, lanes, fine, coarse).run();
+    Post<Texels, kPlain, 2>(frame, lights, batch, lanes, fine, coarse).run();
   }
   if (lane < batch.count) {
     const BatchLanes lanes[1] = {{batch, lane}};
-    Post<Texels, kPlain, 1>(frame, batch, lanes, fine, coarse).run();
+    Post<Texels, kPlain, 1>(frame, lights, batch, lanes, fine, coarse).run();
   }
 }
 

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 
 #include <hwy/highway.h>
 
@@ -177,6 +178,7 @@ struct Corners {
 /// Texels as they are in a brick. load() and corners() are read() in two parts.
 template <typename Voxel>
 struct PlainTexels {
+  static constexpr bool kWhole = std::is_integral_v<Voxel>;
   using Raw = Corners;
   const Voxel* texels;
 
@@ -194,6 +196,7 @@ struct PlainTexels {
 /// Of each texel the four of which it is the low corner across x (StretchBatch::quads): two of these, side by
 /// side, are all eight.
 struct QuadTexels {
+  static constexpr bool kWhole = true;
   struct Raw {
     Int low, high;  // along x; bytes y + 2 * z
   };
