@@ -175,6 +175,35 @@ TEST_F(Program, renders_what_is_made) {
   expect_error("render amplify:none.gvx -o a.png", "none.gvx");
 }
 
+/// Decibels between the bytes of two pictures.
+double decibels(const std::string& a, const std::string& b) {
+  const auto one = io::read_png(a).value().rgba, other = io::read_png(b).value().rgba;
+  GVX_CHECK(one.size() == other.size());
+  double squares = 0;
+  for (std::size_t i = 0; i < one.size(); ++i) squares += std::pow(double(one[i]) - double(other[i]), 2);
+  return 10 * std::log10(255.0 * 255.0 * static_cast<double>(one.size()) / std::max(squares, 1e-9));
+}
+
+TEST_F(Program, shows_distances_in_the_march_as_densities_in_bricks) {
+  write_pyramid(path("pyramid.ply"));
+  if (gvx("render distance:pyramid.ply -o p.png --size 8x8 --levels 2").status != 0)
+    GTEST_SKIP() << "no Embree";
+  // A surface in bricks is as wide as their voxels, and farther from the same in the march.
+  for (const auto& [kind, least] : std::vector<std::pair<std::string, double>>{
+           {"hypertexture", 34}, {"pseudo-mesh", 28}, {"ramp", 50}, {"blurred", 31}}) {
+    const std::string scene =
+        "render " + kind + ":pyramid.ply --levels 6 --octaves 3 --size 120x90 --detail 1";
+    const Outcome bricks = gvx(scene + " -o bricks.png"), march = gvx(scene + " --in-march -o march.png");
+    ASSERT_EQ(bricks.status, 0) << bricks.output;
+    ASSERT_EQ(march.status, 0) << march.output;
+    const double found = decibels(path("bricks.png"), path("march.png"));
+    std::printf("%s: %.1f dB\n", kind.c_str(), found);
+    EXPECT_GE(found, least) << kind;
+  }
+  expect_error("render solid-noise:pyramid.ply --in-march -o a.png",
+               "inMarch is nothing that this scene takes");
+}
+
 TEST_F(Program, builds_a_store_of_a_mesh) {
   write_pyramid(path("pyramid.ply"));
   const Outcome built = gvx("build pyramid.ply -o p.gvx --resolution 60");

@@ -1,10 +1,13 @@
 #include "built_in_scenes.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <memory>
 #include <vector>
 
 #include "gvx/io/mesh.h"
+#include "gvx/produce/coverage.h"
 #include "gvx/produce/deeper_producer.h"
 #include "gvx/produce/field_kernels.h"
 #include "gvx/produce/field_producer.h"
@@ -13,6 +16,7 @@
 #include "gvx/produce/mesh_query.h"
 #include "gvx/produce/sponge_producer.h"
 #include "gvx/produce/terrain.h"
+#include "gvx/scene/transfer_function.h"
 
 namespace gvx::app {
 namespace {
@@ -97,31 +101,62 @@ Result<MeshScene> open_mesh(const std::string& path, double margin, produce::Tre
   return MeshScene{std::move(query), tree};
 }
 
-/// Example 3 of the report with noise that rays add to bricks of distances, which are as coarse as the shell
-/// is thick.
+const char* preset_of(produce::HypertextureKind kind) {
+  return kind == produce::HypertextureKind::blurred ? "cloud" : "solid";
+}
+
+/// What lies at a value between points, the first and the last of which hold on.
+template <typename Points, typename Of>
+auto between(const Points& points, double value, const Of& of) {
+  const auto above =
+      std::find_if(points.begin(), points.end(), [&](const auto& point) { return point.value >= value; });
+  if (above == points.begin()) return of(points.front());
+  if (above == points.end()) return of(points.back());
+  const auto below = std::prev(above);
+  const double share = (value - below->value) / (above->value - below->value);
+  return (1 - share) * of(*below) + share * of(*above);
+}
+
+/// Has distances shown as the densities are that HypertextureField makes of them, across a shell this wide.
+Status show_distances(const produce::HypertextureOptions& options, double width, Scene& scene) {
+  GVX_ASSIGN(const scene::TransferFunction densities,
+             scene::preset(preset_of(options.kind), {.minimum = 0, .maximum = 1}));
+  constexpr int kPoints = 32;
+  for (int i = 0; i <= kPoints; ++i) {
+    const double from_inside = static_cast<double>(i) / kPoints, distance = (from_inside - 0.5) * width;
+    const double density = produce::shaped(options.kind, 1 - from_inside);
+    scene.colors.push_back(
+        {distance, between(densities.colors, density, [](const auto& point) { return point.color; })});
+    scene.opacities.push_back(
+        {distance, between(densities.opacities, density, [](const auto& point) { return point.opacity; })});
+  }
+  return {};
+}
+
+/// Example 3 of the report with bricks of distances, as coarse as the shell is thick: rays make densities of
+/// them, and add noise where it moves the surface.
 Result<Scene> hypertexture_in_march(const std::string& path, const produce::HypertextureOptions& options,
                                     std::uint32_t levels) {
-  const double strength = options.strength * options.thickness;
-  const double band = strength * options.noise.most() + options.thickness;
-  produce::TreeDescription tree = density_tree(16, 0);
-  const auto needed =
-      static_cast<std::uint32_t>(std::max(std::ceil(std::log2(4 / options.thickness / 16)), 0.0));
-  tree.max_level = std::min(needed, levels - 1);
+  const double finest = 1 / std::ldexp(16.0, static_cast<int>(levels) - 1);
+  const double width = produce::coverage_width(options.shell(), finest);
+  // Four voxels across a shell; of a surface, which distances know between voxels, one of four of its own.
+  const double coarsest = options.shell() > 0 ? width / 4 : 4 * finest;
+  const double needed = std::max(std::ceil(std::log2(1 / coarsest / 16)), 0.0);
+  // Coarse voxels from which what is seen is mixed must not be cut off.
+  const double band = options.shift() * options.noise.most() + std::max(width, 0.05);
+  produce::TreeDescription tree = density_tree(16, std::min(static_cast<std::uint32_t>(needed), levels - 1));
   GVX_ASSIGN(MeshScene mesh, open_mesh(path, 0.1, tree));
   mesh.tree.format.type = VoxelType::u16;
   mesh.tree.scale = 2 * band / 65535;
   mesh.tree.offset = -band;
-  AddedNoise noise{.noise = options.noise, .strength = strength / mesh.tree.scale, .fades = {}};
+  AddedNoise noise{.noise = options.noise, .strength = options.shift() / mesh.tree.scale, .fades = {}};
+  if (options.shift() == 0) noise.noise.octaves = 0;
   auto bricks = std::make_shared<produce::FieldProducer>(
       mesh.tree, std::make_shared<produce::MeshDistanceField>(mesh.query, band));
   GVX_ASSIGN(auto deeper, produce::DeeperProducer::create(std::move(bricks), levels - 1 - tree.max_level));
-  // As opaque as HypertextureField's densities are by the preset "solid".
-  const double t = options.thickness;
-  return Scene{std::move(deeper),
-               "inside",
-               noise,
-               {{-t / 2, {0.95f, 0.90f, 0.82f}}, {t / 2, {0.80f, 0.72f, 0.60f}}},
-               {{-0.067 * t, 0.9}, {0.137 * t, 0}}};
+  Scene scene{std::move(deeper), "inside", noise};
+  GVX_TRY(show_distances(options, width, scene));
+  return scene;
 }
 
 /// Example 3 of the report: bricks of 16.
@@ -135,7 +170,7 @@ Result<Scene> hypertexture(const std::string& path, produce::HypertextureKind ki
   take(options.strength, parts.strength);
   take(options.thickness, parts.thickness);
   take_levels(tree, parts);
-  if (kind == produce::HypertextureKind::hypertexture) {
+  if (kind != produce::HypertextureKind::solid_noise) {  // which multiplies
     bool in_march = false;
     take(in_march, parts.in_march);
     if (in_march) return hypertexture_in_march(path, options, tree.max_level + 1);
@@ -150,7 +185,7 @@ Result<Scene> hypertexture(const std::string& path, produce::HypertextureKind ki
   if (shell) distance = std::make_shared<produce::SparseField>(std::move(distance), options.thickness);
   return Scene{std::make_shared<produce::FieldProducer>(
                    mesh.tree, std::make_shared<produce::HypertextureField>(std::move(distance), options)),
-               kind == produce::HypertextureKind::blurred ? "cloud" : "solid"};
+               preset_of(kind)};
 }
 
 /// Distances in the mesh's own unit, below 0 inside, no farther from 0 than the thickness.
