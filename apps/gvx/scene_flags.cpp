@@ -116,7 +116,10 @@ void SceneFlags::add_generate_to(CLI::App& command) {
   add("--seed", generate_.seed, "Another seed is other noise");
   add("--strength", generate_.strength, "How strong the noise is");
   add("--thickness", generate_.thickness, "Thickness of the shell around a surface, in the cube's sides");
-  command.add_flag("--in-march", in_march_, "Noise is added as rays march, not in bricks")->group(group);
+  command
+      .add_flag("--in-march", in_march_,
+                "What noise makes, or distances show as, is made as rays march, not in bricks")
+      ->group(group);
 }
 
 Status SceneFlags::apply(scene::SceneFile& scene) const {
