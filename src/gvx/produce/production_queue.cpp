@@ -112,7 +112,7 @@ Produced make(const Producer& producer, const Job& job) {
 ProductionQueue::ProductionQueue(std::shared_ptr<const Producer> producer, int threads)
     : producer_(std::move(producer)),
       thread_count_(static_cast<std::size_t>(threads)),
-      most_in_batch_(producer_->batching().most) {
+      most_in_batch_(std::max<std::size_t>(producer_->batching().most, 1)) {
   for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
 }
 
