@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <memory>
 #include <vector>
 
@@ -101,20 +100,18 @@ Result<MeshScene> open_mesh(const std::string& path, double margin, produce::Tre
   return MeshScene{std::move(query), tree};
 }
 
-const char* preset_of(produce::HypertextureKind kind) {
-  return kind == produce::HypertextureKind::blurred ? "cloud" : "solid";
+/// The same for bricks of distances that are no farther from 0 than `band`.
+Result<MeshScene> open_mesh_for_distances(const std::string& path, double band,
+                                          const produce::TreeDescription& tree) {
+  GVX_ASSIGN(MeshScene mesh, open_mesh(path, 0.1, tree));
+  mesh.tree.format.type = VoxelType::u16;
+  mesh.tree.scale = 2 * band / 65535;
+  mesh.tree.offset = -band;
+  return mesh;
 }
 
-/// What lies at a value between points, the first and the last of which hold on.
-template <typename Points, typename Of>
-auto between(const Points& points, double value, const Of& of) {
-  const auto above =
-      std::find_if(points.begin(), points.end(), [&](const auto& point) { return point.value >= value; });
-  if (above == points.begin()) return of(points.front());
-  if (above == points.end()) return of(points.back());
-  const auto below = std::prev(above);
-  const double share = (value - below->value) / (above->value - below->value);
-  return (1 - share) * of(*below) + share * of(*above);
+const char* preset_of(produce::HypertextureKind kind) {
+  return kind == produce::HypertextureKind::blurred ? "cloud" : "solid";
 }
 
 /// Has distances shown as the densities are that HypertextureField makes of them, across a shell this wide.
@@ -125,10 +122,8 @@ Status show_distances(const produce::HypertextureOptions& options, double width,
   for (int i = 0; i <= kPoints; ++i) {
     const double from_inside = static_cast<double>(i) / kPoints, distance = (from_inside - 0.5) * width;
     const double density = produce::shaped(options.kind, 1 - from_inside);
-    scene.colors.push_back(
-        {distance, between(densities.colors, density, [](const auto& point) { return point.color; })});
-    scene.opacities.push_back(
-        {distance, between(densities.opacities, density, [](const auto& point) { return point.opacity; })});
+    scene.colors.push_back({distance, densities.color(density)});
+    scene.opacities.push_back({distance, densities.opacity(density)});
   }
   return {};
 }
@@ -145,10 +140,7 @@ Result<Scene> hypertexture_in_march(const std::string& path, const produce::Hype
   // Coarse voxels from which what is seen is mixed must not be cut off.
   const double band = options.shift() * options.noise.most() + std::max(width, 0.05);
   produce::TreeDescription tree = density_tree(16, std::min(static_cast<std::uint32_t>(needed), levels - 1));
-  GVX_ASSIGN(MeshScene mesh, open_mesh(path, 0.1, tree));
-  mesh.tree.format.type = VoxelType::u16;
-  mesh.tree.scale = 2 * band / 65535;
-  mesh.tree.offset = -band;
+  GVX_ASSIGN(const MeshScene mesh, open_mesh_for_distances(path, band, tree));
   AddedNoise noise{.noise = options.noise, .strength = options.shift() / mesh.tree.scale, .fades = {}};
   if (options.shift() == 0) noise.noise.octaves = 0;
   auto bricks = std::make_shared<produce::FieldProducer>(
@@ -194,10 +186,7 @@ Result<Scene> distance(const std::string& path, bool by_axes, GenerateParts& par
   take(band, parts.thickness);
   produce::TreeDescription tree = density_tree(16, 7);
   take_levels(tree, parts);
-  GVX_ASSIGN(MeshScene mesh, open_mesh(path, 0.1, tree));
-  mesh.tree.format.type = VoxelType::u16;
-  mesh.tree.scale = 2 * band / 65535;
-  mesh.tree.offset = -band;
+  GVX_ASSIGN(const MeshScene mesh, open_mesh_for_distances(path, band, tree));
   std::shared_ptr<const produce::Field> field;
   if (by_axes) {
     field = std::make_shared<produce::AxisDistanceField>(mesh.query, band);

@@ -3,7 +3,6 @@
 /// the 2008 report). For device sources only.
 #pragma once
 
-#include <algorithm>
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -108,7 +107,8 @@ class KernelProducer final : public Producer {
     return {};
   }
 
-  /// As many voxels as a GPU has threads, some times over.
+  /// Of bricks of 16 some 370,000 voxels: somewhat more than a large GPU runs threads at once (132 times
+  /// 2048).
   Batching batching() const override { return {64, device_}; }
 
   Status produce_batch(const BrickBatch& batch) const override {
