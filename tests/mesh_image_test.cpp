@@ -60,11 +60,12 @@ TEST_P(MeshImage, has_the_silhouette_and_the_mean_normal_that_embree_finds) {
   if (const auto made = produce::MeshQuery::create(mesh); !made.ok()) GTEST_SKIP() << made.error().message;
   const double height = 2.6;
   const std::string path = testing::TempDir() + "gvx_mesh_image.gvx";
+  const auto spool = produce::spooled(mesh);
   for (const bool solid : {true, false}) {
     produce::MeshStoreOptions options;
     options.resolution = 160;
     options.solid = solid;
-    const auto built = produce::build_mesh_store(exec::Device::cpu(), mesh, path, options, {});
+    const auto built = produce::build_mesh_store(exec::Device::cpu(), *spool, path, options, {});
     ASSERT_TRUE(built.ok()) << built.error().message;
 
     render::View view;

@@ -44,12 +44,8 @@ Status build_from_mesh(const Options& o, const io::StoreBuildOptions& common) {
   options.m = common.m;
   options.codec = common.codec;
   options.memory_bytes = common.memory_bytes;
-  produce::MeshStoreReport report;
-  {
-    Progress progress("building", "slices");
-    GVX_ASSIGN(report, build_mesh(exec::Device::cpu(o.threads), path, o.output, options, o.mesh.fill(),
-                                  [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
-  }
+  GVX_ASSIGN(const produce::MeshStoreReport report,
+             build_mesh(exec::Device::cpu(o.threads), path, o.output, options, o.mesh.fill()));
   print_built(o.output, report.dimensions, report.bytes_written);
   return {};
 }

@@ -7,7 +7,7 @@
 #include "commands.h"
 #include "gvx/io/mesh.h"
 #include "gvx/io/volume_reader.h"
-#include "gvx/produce/mesh_voxels.h"
+#include "gvx/produce/mesh_spool.h"
 #include "gvx/store/store_reader.h"
 #include "open_scene.h"
 #include "units.h"
@@ -75,17 +75,18 @@ Result<nlohmann::json> describe_volume(const std::string& path, const io::RawOpt
 }
 
 Result<nlohmann::json> describe_mesh(const std::string& path) {
-  io::MeshReport report;
-  GVX_ASSIGN(const io::TriangleMesh mesh, io::read_mesh(path, &report));
-  const Box3d box = mesh.bounds();
+  std::error_code error;
+  const std::string folder = std::filesystem::temp_directory_path(error).string();
+  GVX_ASSIGN(const auto mesh, produce::spool_mesh(path, folder.empty() ? "." : folder, 1ull << 30, {}));
+  const produce::MeshSummary& summary = mesh->summary();
   return nlohmann::json{{"format", "mesh"},
-                        {"vertices", mesh.vertices.size()},
-                        {"triangles", mesh.triangles.size()},
-                        {"dropped_triangles", report.dropped},
-                        {"colors", !mesh.colors.empty()},
-                        {"closed", produce::is_closed(mesh)},
-                        {"minimum", {box.minimum.x, box.minimum.y, box.minimum.z}},
-                        {"maximum", {box.maximum.x, box.maximum.y, box.maximum.z}}};
+                        {"vertices", summary.vertices},
+                        {"triangles", summary.triangles},
+                        {"dropped_triangles", summary.dropped},
+                        {"colors", summary.colors},
+                        {"closed", summary.closed},
+                        {"minimum", list(summary.bounds.minimum)},
+                        {"maximum", list(summary.bounds.maximum)}};
 }
 
 std::string joined(const nlohmann::json& list, const char* separator) {

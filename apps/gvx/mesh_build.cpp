@@ -2,6 +2,9 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <optional>
+
+#include "progress.h"
 
 namespace gvx::app {
 
@@ -29,23 +32,31 @@ MeshFlags::Fill MeshFlags::fill() const {
   return !fill_ ? Fill::automatic : *fill_ == "solid" ? Fill::solid : Fill::shell;
 }
 
-Result<produce::MeshStoreReport> build_mesh(
-    const exec::Device& cpu, const std::string& path, const std::string& output,
-    produce::MeshStoreOptions options, MeshFlags::Fill fill,
-    const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
-  io::MeshReport report;
-  GVX_ASSIGN(io::TriangleMesh mesh, io::read_mesh(path, &report));
-  const bool closed = fill != MeshFlags::Fill::shell && produce::is_closed(mesh);
-  if (fill == MeshFlags::Fill::solid && !closed) {
+Result<produce::MeshStoreReport> build_mesh(const exec::Device& cpu, const std::string& path,
+                                            const std::string& output, produce::MeshStoreOptions options,
+                                            MeshFlags::Fill fill) {
+  const std::filesystem::path folder = std::filesystem::path(output).parent_path();
+  std::optional<Progress> progress;
+  std::string shown;
+  const produce::MeshBuildProgress show = [&](const char* what, std::uint64_t done, std::uint64_t all) {
+    if (shown != what) progress.emplace(shown = what, "items");
+    progress->show(done, all);
+  };
+  GVX_ASSIGN(const auto mesh,
+             produce::spool_mesh(path, folder.empty() ? "." : folder.string(), options.memory_bytes,
+                                 [&](std::uint64_t done, std::uint64_t all) { show("reading", done, all); }));
+  const produce::MeshSummary& summary = mesh->summary();
+  options.solid = fill != MeshFlags::Fill::shell && summary.closed;
+  if (fill == MeshFlags::Fill::solid && !options.solid) {
     return Error{path + ": the mesh is not closed, so it has no inside (--fill shell)"};
   }
-  options.solid = closed;
   options.source = std::filesystem::path(path).filename().string();
-  if (report.dropped > 0) {
+  if (summary.dropped > 0) {
+    progress.reset();
     std::fprintf(stderr, "gvx: %s: %llu triangles cover nothing; they are left out\n", path.c_str(),
-                 static_cast<unsigned long long>(report.dropped));
+                 static_cast<unsigned long long>(summary.dropped));
   }
-  return produce::build_mesh_store(cpu, std::move(mesh), output, options, progress);
+  return produce::build_mesh_store(cpu, *mesh, output, options, show);
 }
 
 }  // namespace gvx::app

@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 
@@ -30,10 +29,10 @@ class MeshFlags {
   std::optional<std::string> fill_;
 };
 
-/// Reads the mesh and writes the store; `fill` says what `options.solid` becomes.
-Result<produce::MeshStoreReport> build_mesh(
-    const exec::Device& cpu, const std::string& path, const std::string& output,
-    produce::MeshStoreOptions options, MeshFlags::Fill fill,
-    const std::function<void(std::uint64_t, std::uint64_t)>& progress);
+/// Reads the mesh and writes the store; `fill` says what `options.solid` becomes. Says what is being done
+/// where standard error is a terminal.
+Result<produce::MeshStoreReport> build_mesh(const exec::Device& cpu, const std::string& path,
+                                            const std::string& output, produce::MeshStoreOptions options,
+                                            MeshFlags::Fill fill);
 
 }  // namespace gvx::app

@@ -28,71 +28,80 @@ bool is_ply(const std::string& path) {
   return ends_as(path, ".ply") || ends_as(path, ".ply.gz");
 }
 
-bool finite(Vec3f v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-/// Drops triangles that cover nothing, and vertices that no triangle has.
-std::uint64_t drop_useless(TriangleMesh& mesh) {
-  const auto useless = [&](const std::array<std::uint32_t, 3>& t) {
-    for (const std::uint32_t v : t) {
-      if (v >= mesh.vertices.size() || !finite(mesh.vertices[v])) return true;
-    }
-    const Vec3d a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
-    return !(length(cross(b - a, c - a)) > 0);
-  };
-  const auto kept = std::remove_if(mesh.triangles.begin(), mesh.triangles.end(), useless);
-  const auto dropped = static_cast<std::uint64_t>(mesh.triangles.end() - kept);
-  mesh.triangles.erase(kept, mesh.triangles.end());
-  constexpr std::uint32_t kUnused = UINT32_MAX;
-  std::vector<std::uint32_t> place(mesh.vertices.size(), kUnused);
-  std::vector<Vec3f> vertices, colors;
-  for (auto& triangle : mesh.triangles) {
-    for (std::uint32_t& v : triangle) {
-      if (place[v] == kUnused) {
-        place[v] = static_cast<std::uint32_t>(vertices.size());
-        vertices.push_back(mesh.vertices[v]);
-        if (!mesh.colors.empty()) colors.push_back(mesh.colors[v]);
-      }
-      v = place[v];
-    }
+/// Keeps what covers anything, and counts what does not.
+class MeshCollector final : public MeshSink {
+ public:
+  Status add_vertices(std::span<const Vec3f> places, std::span<const Vec3f> colors) override {
+    mesh_.vertices.insert(mesh_.vertices.end(), places.begin(), places.end());
+    mesh_.colors.insert(mesh_.colors.end(), colors.begin(), colors.end());
+    return {};
   }
-  mesh.vertices = std::move(vertices);
-  mesh.colors = std::move(colors);
-  return dropped;
-}
+
+  Status add_triangles(std::span<const Triangle> triangles) override {
+    for (const Triangle& t : triangles) {
+      const bool there =
+          std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return v < mesh_.vertices.size(); });
+      if (there && has_area(mesh_.vertices[t[0]], mesh_.vertices[t[1]], mesh_.vertices[t[2]])) {
+        mesh_.triangles.push_back(t);
+      } else {
+        ++dropped_;
+      }
+    }
+    return {};
+  }
+
+  std::uint64_t dropped() const { return dropped_; }
+
+  /// Without vertices that no triangle has.
+  TriangleMesh take() {
+    constexpr std::uint32_t kUnused = UINT32_MAX;
+    std::vector<std::uint32_t> place(mesh_.vertices.size(), kUnused);
+    TriangleMesh used;
+    for (Triangle& triangle : mesh_.triangles) {
+      for (std::uint32_t& v : triangle) {
+        if (place[v] == kUnused) {
+          place[v] = static_cast<std::uint32_t>(used.vertices.size());
+          used.vertices.push_back(mesh_.vertices[v]);
+          if (!mesh_.colors.empty()) used.colors.push_back(mesh_.colors[v]);
+        }
+        v = place[v];
+      }
+    }
+    used.triangles = std::move(mesh_.triangles);
+    return used;
+  }
+
+ private:
+  TriangleMesh mesh_;
+  std::uint64_t dropped_ = 0;
+};
 
 #if defined(GVX_WITH_ASSIMP)
-/// Puts all meshes of a scene, which stand where they belong, one behind the other.
-TriangleMesh joined(const aiScene& scene) {
-  TriangleMesh all;
-  bool any_colors = false;
-  for (unsigned i = 0; i < scene.mNumMeshes; ++i) any_colors |= scene.mMeshes[i]->HasVertexColors(0);
-  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
-    const aiMesh& part = *scene.mMeshes[i];
-    const auto first = static_cast<std::uint32_t>(all.vertices.size());
-    for (unsigned v = 0; v < part.mNumVertices; ++v) {
-      const aiVector3D& p = part.mVertices[v];
-      all.vertices.emplace_back(p.x, p.y, p.z);
-      if (!any_colors) continue;
-      const aiColor4D color = part.HasVertexColors(0) ? part.mColors[0][v] : aiColor4D(0.8f, 0.8f, 0.8f, 1);
-      const auto held = [](float c) { return std::isfinite(c) ? std::clamp(c, 0.0f, 1.0f) : 0.0f; };
-      all.colors.emplace_back(held(color.r), held(color.g), held(color.b));
-    }
-    for (unsigned f = 0; f < part.mNumFaces; ++f) {
-      const aiFace& face = part.mFaces[f];
-      if (face.mNumIndices != 3) continue;
-      std::array<std::uint32_t, 3> triangle{};
-      for (std::size_t k = 0; k < 3; ++k) {
-        triangle[k] = face.mIndices[k] < part.mNumVertices ? first + face.mIndices[k] : UINT32_MAX;
-      }
-      all.triangles.push_back(triangle);
+/// Hands over one part, which stands where it belongs; `first` vertices came before it.
+Status hand_over(const aiMesh& part, bool any_colors, std::uint32_t first, MeshSink& sink) {
+  std::vector<Vec3f> places, colors;
+  for (unsigned v = 0; v < part.mNumVertices; ++v) {
+    const aiVector3D& p = part.mVertices[v];
+    places.emplace_back(p.x, p.y, p.z);
+    if (!any_colors) continue;
+    const aiColor4D color = part.HasVertexColors(0) ? part.mColors[0][v] : aiColor4D(0.8f, 0.8f, 0.8f, 1);
+    const auto held = [](float c) { return std::isfinite(c) ? std::clamp(c, 0.0f, 1.0f) : 0.0f; };
+    colors.emplace_back(held(color.r), held(color.g), held(color.b));
+  }
+  GVX_TRY(sink.add_vertices(places, colors));
+  std::vector<Triangle> triangles;
+  for (unsigned f = 0; f < part.mNumFaces; ++f) {
+    const aiFace& face = part.mFaces[f];
+    if (face.mNumIndices != 3) continue;
+    Triangle& triangle = triangles.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      triangle[k] = face.mIndices[k] < part.mNumVertices ? first + face.mIndices[k] : UINT32_MAX;
     }
   }
-  return all;
+  return sink.add_triangles(triangles);
 }
 
-Result<TriangleMesh> import(const std::string& path) {
+Status import(const std::string& path, MeshSink& sink) {
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   // Only what makes the surface is of use here.
@@ -109,15 +118,28 @@ Result<TriangleMesh> import(const std::string& path) {
     std::replace(reason.begin(), reason.end(), '\n', ' ');
     return Error{path + ": not a mesh that can be read: " + reason};
   }
-  return joined(*scene);
+  bool any_colors = false;
+  for (unsigned i = 0; i < scene->mNumMeshes; ++i) any_colors |= scene->mMeshes[i]->HasVertexColors(0);
+  std::uint32_t vertices = 0;
+  for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
+    GVX_TRY(hand_over(*scene->mMeshes[i], any_colors, vertices, sink));
+    vertices += scene->mMeshes[i]->mNumVertices;
+  }
+  return {};
 }
 #else
-Result<TriangleMesh> import(const std::string& path) {
+Status import(const std::string& path, MeshSink&) {
   return Error{path + ": of meshes this build reads only PLY: it was made without assimp"};
 }
 #endif
 
 }  // namespace
+
+bool has_area(Vec3f a, Vec3f b, Vec3f c) {
+  // Infinite or undefined where a place is.
+  const double twice = length(cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a)));
+  return twice > 0 && std::isfinite(twice);
+}
 
 Box3d TriangleMesh::bounds() const {
   Box3d box{Vec3d(INFINITY), Vec3d(-INFINITY)};
@@ -137,7 +159,7 @@ bool is_mesh_name(const std::string& path) {
                      [&](const char* ending) { return ends_as(path, ending); });
 }
 
-Result<TriangleMesh> read_mesh(const std::string& path, MeshReport* report) {
+Status stream_mesh(const std::string& path, MeshSink& sink, const MeshProgress& progress) {
   if (!is_mesh_name(path)) {
     std::string known;
     for (const char* ending : kEndings) known += std::string(known.empty() ? "" : ", ") + ending;
@@ -145,9 +167,14 @@ Result<TriangleMesh> read_mesh(const std::string& path, MeshReport* report) {
   }
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return Error{path + ": cannot open: no such file"};
-  GVX_ASSIGN(TriangleMesh mesh, is_ply(path) ? read_ply(path) : import(path));
-  const std::uint64_t dropped = drop_useless(mesh);
-  if (report != nullptr) report->dropped = dropped;
+  return is_ply(path) ? stream_ply(path, sink, progress) : import(path, sink);
+}
+
+Result<TriangleMesh> read_mesh(const std::string& path, MeshReport* report) {
+  MeshCollector collector;
+  GVX_TRY(stream_mesh(path, collector));
+  if (report != nullptr) report->dropped = collector.dropped();
+  TriangleMesh mesh = collector.take();
   if (mesh.triangles.empty()) return Error{path + ": there is no triangle in it"};
   return mesh;
 }

@@ -190,10 +190,12 @@ std::uint64_t least_bytes(const Element& element, PlyFormat format) {
 
 class PlyReader {
  public:
-  explicit PlyReader(std::unique_ptr<ByteStream> stream) : in_(std::move(stream)) {}
+  PlyReader(std::unique_ptr<ByteStream> stream, MeshSink& sink, const MeshProgress& progress)
+      : in_(std::move(stream)), sink_(sink), progress_(progress) {}
 
-  Result<TriangleMesh> read() {
+  Status read() {
     GVX_ASSIGN(header_, read_header(in_));
+    GVX_TRY(check_order());
     for (const Element& element : header_.elements) {
       const std::uint64_t least = least_bytes(element, header_.format);
       if (const auto left = in_.bytes_left(); left && least > 0 && element.count > *left / least + 1) {
@@ -209,7 +211,7 @@ class PlyReader {
         }
       }
     }
-    return std::move(mesh_);
+    return {};
   }
 
  private:
@@ -229,6 +231,35 @@ class PlyReader {
       GVX_ASSIGN(count, list_count(p));
     }
     for (std::uint32_t i = 0; i < count; ++i) GVX_TRY(number(p.type));
+    return {};
+  }
+
+  /// Triangles are handed over as they come, and so must be of vertices that are known.
+  Status check_order() {
+    int vertices = 0;
+    for (const Element& element : header_.elements) {
+      if (element.name == "vertex" && ++vertices > 1) return in_.error("has vertices in two places");
+      if (element.name == "face" && vertices == 0) return in_.error("has faces before its vertices");
+      if (element.name == "vertex" || element.name == "face") all_ += element.count;
+    }
+    return {};
+  }
+
+  /// After each vertex or polygon: hands on what waits, if it is much.
+  Status count_one() {
+    ++done_;
+    constexpr std::size_t kMany = 1 << 14;
+    if (places_.size() < kMany && triangles_.size() < kMany) return {};
+    return hand_on();
+  }
+
+  Status hand_on() {
+    if (!places_.empty()) GVX_TRY(sink_.add_vertices(places_, colors_));
+    if (!triangles_.empty()) GVX_TRY(sink_.add_triangles(triangles_));
+    places_.clear();
+    colors_.clear();
+    triangles_.clear();
+    if (progress_) progress_(done_, all_);
     return {};
   }
 
@@ -260,12 +291,12 @@ class PlyReader {
                                                                            : value;
         values[static_cast<std::size_t>(place[k])] = static_cast<float>(scaled);
       }
-      mesh_.vertices.emplace_back(values[0], values[1], values[2]);
-      if (!colored) continue;
+      places_.emplace_back(values[0], values[1], values[2]);
       const auto held = [](float c) { return std::isfinite(c) ? std::clamp(c, 0.0f, 1.0f) : 0.0f; };
-      mesh_.colors.emplace_back(held(values[3]), held(values[4]), held(values[5]));
+      if (colored) colors_.emplace_back(held(values[3]), held(values[4]), held(values[5]));
+      GVX_TRY(count_one());
     }
-    return {};
+    return hand_on();
   }
 
   Status read_faces(const Element& element) {
@@ -277,8 +308,9 @@ class PlyReader {
           GVX_TRY(pass(p));
         }
       }
+      GVX_TRY(count_one());
     }
-    return {};
+    return hand_on();
   }
 
   Status read_face(const Property& p) {
@@ -291,23 +323,27 @@ class PlyReader {
       }
       const auto vertex = static_cast<std::uint32_t>(value);
       if (k == 0) first = vertex;
-      if (k >= 2) mesh_.triangles.push_back({first, before, vertex});
+      if (k >= 2) triangles_.push_back({first, before, vertex});
       before = vertex;
     }
     return {};
   }
 
   Scanner in_;
+  MeshSink& sink_;
+  const MeshProgress& progress_;
   Header header_;
-  TriangleMesh mesh_;
+  std::uint64_t done_ = 0, all_ = 0;
+  std::vector<Vec3f> places_, colors_;
+  std::vector<Triangle> triangles_;
 };
 
 }  // namespace
 
-Result<TriangleMesh> read_ply(const std::string& path) {
+Status stream_ply(const std::string& path, MeshSink& sink, const MeshProgress& progress) {
   const Encoding encoding = path.ends_with(".gz") ? Encoding::gzip : Encoding::raw;
   GVX_ASSIGN(auto stream, open_byte_stream(path, encoding, {}, SampleType::u8));
-  return PlyReader(std::move(stream)).read();
+  return PlyReader(std::move(stream), sink, progress).read();
 }
 
 }  // namespace gvx::io

@@ -46,8 +46,13 @@ std::array<float, 3> nearest_weights(Vec3f p, Vec3f a, Vec3f b, Vec3f c) {
 
 struct NearestSearch {
   const io::TriangleMesh& mesh;
-  std::optional<MeshQuery::Nearest> found;
+  MeshQuery::Nearest best;  // at first as far as is looked, of no triangle
+  bool found = false;
 };
+
+/// Boxes are as near as rounding knows: one that is passed over by a hair may hold a triangle that is as near
+/// as the best.
+constexpr float kHair = 1 + 1e-5f;
 
 bool consider(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<NearestSearch*>(arguments->userPtr);
@@ -59,11 +64,12 @@ bool consider(RTCPointQueryFunctionArguments* arguments) {
   const std::array<float, 3> w = nearest_weights(p, a, b, c);
   const float distance = length(w[0] * a + w[1] * b + w[2] * c - p);
   // Of equally near ones the first, whatever order they come in.
-  const bool nearer = distance < query.radius || (search.found && distance == search.found->distance &&
-                                                  arguments->primID < search.found->triangle);
+  const bool nearer = distance < search.best.distance || (search.found && distance == search.best.distance &&
+                                                          arguments->primID < search.best.triangle);
   if (!nearer) return false;
-  search.found = {distance, arguments->primID, w};
-  query.radius = distance;
+  search.best = {distance, arguments->primID, w};
+  search.found = true;
+  query.radius = kHair * distance;
   return true;
 }
 
@@ -135,12 +141,12 @@ Result<std::unique_ptr<MeshQuery>> MeshQuery::create(io::TriangleMesh mesh) {
 MeshQuery::MeshQuery(io::TriangleMesh mesh) : mesh_(std::move(mesh)), scene_(std::make_unique<Scene>()) {}
 
 std::optional<MeshQuery::Nearest> MeshQuery::nearest(Vec3f p, float radius) const {
-  NearestSearch search{mesh_, {}};
-  RTCPointQuery query{p.x, p.y, p.z, 0, radius};
+  NearestSearch search{mesh_, {radius, 0, {}}};
+  RTCPointQuery query{p.x, p.y, p.z, 0, kHair * radius};
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   rtcPointQuery(scene_->scene, &query, &context, nullptr, &search);
-  return search.found;
+  return search.found ? std::optional(search.best) : std::nullopt;
 }
 
 void MeshQuery::crossings(Vec3f p, int axis, std::vector<float>& distances) const {

@@ -7,10 +7,14 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <utility>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "gvx/io/mesh.h"
+#include "gvx/produce/mesh_spool.h"
 
 namespace gvx::produce {
 
@@ -45,6 +49,14 @@ inline io::TriangleMesh sphere_mesh(Vec3d centre, double radius, int cuts) {
   for (const Vec3d& p : places) mesh.vertices.emplace_back(centre + radius * normalize(p));
   mesh.triangles = std::move(triangles);
   return mesh;
+}
+
+/// The mesh as if read from a file; colours, where there are, are those of the vertices.
+inline std::unique_ptr<MeshSpool> spooled(const io::TriangleMesh& mesh) {
+  auto spool = MeshSpool::create(testing::TempDir(), 1 << 20).value();
+  GVX_CHECK(spool->add_vertices(mesh.vertices, mesh.colors).ok());
+  GVX_CHECK(spool->add_triangles(mesh.triangles).ok() && spool->finish().ok());
+  return spool;
 }
 
 }  // namespace gvx::produce

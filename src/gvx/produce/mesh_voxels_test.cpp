@@ -1,0 +1,284 @@
+// Meshes that do not fit memory: what is known of them, their corners' normals, the slabs that they are
+// sorted into, and that a store does not tell in how many slabs it was made.
+
+#include "gvx/produce/mesh_voxels.h"
+
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "gvx/produce/corner_normals.h"
+#include "gvx/produce/mesh_query.h"
+#include "gvx/produce/mesh_test_support.h"
+
+namespace gvx::produce {
+namespace {
+
+io::TriangleMesh cube() {
+  io::TriangleMesh mesh;
+  for (int i = 0; i < 8; ++i) mesh.vertices.emplace_back(i & 1, i >> 1 & 1, i >> 2);
+  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return mesh;
+}
+
+/// With vertices of its own for each triangle.
+io::TriangleMesh unconnected(const io::TriangleMesh& mesh) {
+  io::TriangleMesh soup;
+  for (const io::Triangle& t : mesh.triangles) {
+    const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+    for (const std::uint32_t v : t) soup.vertices.push_back(mesh.vertices[v]);
+    soup.triangles.push_back({first, first + 1, first + 2});
+  }
+  return soup;
+}
+
+std::vector<SpooledTriangle> all_of(const MeshSpool& spool) {
+  std::vector<SpooledTriangle> triangles(spool.summary().triangles);
+  EXPECT_TRUE(spool.triangles().read(0, triangles).ok());
+  return triangles;
+}
+
+TEST(MeshSpool, knows_the_mesh_as_a_whole) {
+  io::TriangleMesh mesh = cube();
+  EXPECT_TRUE(spooled(mesh)->summary().closed);
+  EXPECT_TRUE(spooled(unconnected(mesh))->summary().closed);
+  // The two zeros are one place.
+  io::TriangleMesh soup = unconnected(mesh);
+  soup.vertices[0].x = -0.0f;
+  EXPECT_TRUE(spooled(soup)->summary().closed);
+  soup.vertices[0].x = 1e-6f;
+  EXPECT_FALSE(spooled(soup)->summary().closed);
+
+  mesh.triangles.push_back({0, 1, 99});  // of a vertex that is not there
+  mesh.triangles.push_back({0, 1, 1});
+  mesh.vertices.emplace_back(NAN, 0, 0);
+  mesh.triangles.push_back({0, 1, 8});
+  mesh.vertices.emplace_back(100, 0, 0);  // of no triangle
+  MeshSummary summary = spooled(mesh)->summary();
+  EXPECT_EQ(summary.triangles, 12u);
+  EXPECT_EQ(summary.dropped, 3u);
+  EXPECT_EQ(summary.vertices, 10u);
+  EXPECT_TRUE(summary.closed);
+  EXPECT_FALSE(summary.colors);
+  EXPECT_EQ(summary.bounds, (Box3d{{0, 0, 0}, {1, 1, 1}}));
+
+  // Missing any one triangle it is open, and the mean colour is that of what is there.
+  for (std::size_t missing = 0; missing < 12; ++missing) {
+    io::TriangleMesh open = cube();
+    open.triangles.erase(open.triangles.begin() + static_cast<std::ptrdiff_t>(missing));
+    EXPECT_FALSE(spooled(open)->summary().closed) << missing;
+  }
+  io::TriangleMesh colored = cube();
+  for (const Vec3f& v : colored.vertices) colored.colors.push_back(v);
+  summary = spooled(colored)->summary();
+  EXPECT_TRUE(summary.colors);
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(summary.mean_color[axis], 0.5f, 1e-6f);
+}
+
+TEST(MeshSpool, finds_vertices_that_are_not_in_memory) {
+  // More vertices than the spool keeps, met in any order, and some that come later.
+  auto spool = MeshSpool::create(testing::TempDir(), 1).value();
+  std::mt19937 random(3);
+  std::vector<Vec3f> places;
+  std::vector<io::Triangle> triangles;
+  for (int round = 0; round < 2; ++round) {
+    std::vector<Vec3f> more;
+    for (int i = 0; i < 30500; ++i) {
+      more.emplace_back(float(random() % 1000), float(random() % 1000), float(random() % 1000));
+    }
+    ASSERT_TRUE(spool->add_vertices(more, {}).ok());
+    places.insert(places.end(), more.begin(), more.end());
+    std::vector<io::Triangle> these;
+    for (int i = 0; i < 2000; ++i) {
+      const auto any = [&] { return static_cast<std::uint32_t>(random() % places.size()); };
+      const io::Triangle t = {any(), any(), any()};
+      if (io::has_area(places[t[0]], places[t[1]], places[t[2]])) these.push_back(t);
+    }
+    ASSERT_TRUE(spool->add_triangles(these).ok());
+    triangles.insert(triangles.end(), these.begin(), these.end());
+  }
+  ASSERT_TRUE(spool->finish().ok());
+  const std::vector<SpooledTriangle> found = all_of(*spool);
+  ASSERT_EQ(found.size(), triangles.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) ASSERT_EQ(found[i].corners[k], places[triangles[i][k]]);
+  }
+}
+
+/// The normals of a mesh's corners, of unit length.
+std::vector<std::array<Vec3f, 3>> normals_of(const io::TriangleMesh& mesh, std::uint64_t memory_bytes) {
+  CornerNormals normals(testing::TempDir(), memory_bytes);
+  for (const io::Triangle& t : mesh.triangles) {
+    EXPECT_TRUE(normals.push({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}).ok());
+  }
+  std::vector<std::array<Vec3f, 3>> found;
+  const auto take = [&](const std::array<Normal16, 3>& corners) -> Status {
+    auto& triangle = found.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      triangle[k] = Vec3f(Vec3<std::int16_t>(corners[k][0], corners[k][1], corners[k][2])) / 32767.0f;
+    }
+    return {};
+  };
+  EXPECT_TRUE(normals.for_each(take).ok());
+  EXPECT_EQ(found.size(), mesh.triangles.size());
+  return found;
+}
+
+TEST(CornerNormals, are_smooth_on_a_ball_and_keep_the_edges_of_a_cube) {
+  for (const std::uint64_t memory : {1u << 24, 1u << 12}) {
+    const io::TriangleMesh ball = sphere_mesh({1, 2, 3}, 2, 4);
+    const auto smooth = normals_of(ball, memory);
+    for (std::size_t t = 0; t < smooth.size(); ++t) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3f radial = normalize(ball.vertices[ball.triangles[t][k]] - Vec3f(1, 2, 3));
+        ASSERT_GT(std::fabs(dot(smooth[t][k], radial)), 0.9998f);
+      }
+    }
+    const auto sharp = normals_of(unconnected(cube()), memory);
+    const io::TriangleMesh mesh = cube();
+    for (std::size_t t = 0; t < sharp.size(); ++t) {
+      const auto& [a, b, c] = mesh.triangles[t];
+      const Vec3f flat =
+          normalize(cross(mesh.vertices[b] - mesh.vertices[a], mesh.vertices[c] - mesh.vertices[a]));
+      for (const Vec3f& normal : sharp[t]) EXPECT_EQ(normal, flat);
+    }
+  }
+}
+
+TEST(CornerNormals, of_a_hub_of_very_many_triangles_are_those_of_each) {
+  io::TriangleMesh cone;
+  cone.vertices.emplace_back(0, 0, 1);
+  constexpr int kTriangles = 1000;
+  for (int i = 0; i < kTriangles; ++i) {
+    const auto angle = static_cast<float>(2 * M_PI * i / kTriangles);
+    cone.vertices.emplace_back(3 * std::cos(angle), 3 * std::sin(angle), 0);
+    const auto v = static_cast<std::uint32_t>(i);
+    cone.triangles.push_back({0, 1 + v, 1 + (v + 1) % kTriangles});
+  }
+  const auto normals = normals_of(cone, 1 << 24);
+  for (std::size_t t = 0; t < normals.size(); ++t) {
+    const auto& [a, b, c] = cone.triangles[t];
+    const Vec3f flat =
+        normalize(cross(cone.vertices[b] - cone.vertices[a], cone.vertices[c] - cone.vertices[a]));
+    ASSERT_GT(dot(normals[t][0], flat), 0.9999f) << t;
+    // At the rim the two that meet there are mixed.
+    ASSERT_GT(dot(normals[t][1], flat), 0.9999f) << t;
+  }
+}
+
+/// Triangles of any size anywhere.
+io::TriangleMesh random_soup(int count, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> number(0, 1);
+  io::TriangleMesh mesh;
+  for (int i = 0; i < count; ++i) {
+    const Vec3f centre(100 * number(random), 70 * number(random), 50 * number(random));
+    const float size = number(random) < 0.1f ? 60 : 3;
+    for (int k = 0; k < 3; ++k) {
+      Vec3f v = centre;
+      for (int axis = 0; axis < 3; ++axis) {
+        const float most = axis == 0 ? 100 : axis == 1 ? 70 : 50;
+        v[axis] = std::clamp(v[axis] + size * (number(random) - 0.5f), 0.0f, most);
+      }
+      mesh.vertices.push_back(v);
+    }
+    const auto first = static_cast<std::uint32_t>(3 * i);
+    mesh.triangles.push_back({first, first + 1, first + 2});
+  }
+  return mesh;
+}
+
+TEST(MeshSlabs, hold_what_is_near_to_them_in_order_and_no_more_than_they_may) {
+  const Vec3i dimensions(100, 70, 50);
+  std::size_t cut_rows = 0, refused = 0;
+  for (std::uint32_t seed = 0; seed < 4; ++seed) {
+    const auto spool = spooled(random_soup(3000, seed));
+    const std::vector<SpooledTriangle> all = all_of(*spool);
+    for (const std::uint64_t most : {4000u, 2000u, 1000u, 400u, 250u}) {
+      const auto sorted = MeshSlabs::sort(*spool, {{0, 0, 0}, 1, dimensions}, 1 << 18, most, {});
+      ASSERT_TRUE(sorted.ok());
+      if (!sorted.value()) {
+        ++refused;
+        EXPECT_EQ(most, 250u);
+        continue;
+      }
+      const MeshSlabs& slabs = *sorted.value();
+      std::int64_t y = 0, z = 0, z_end = 0;
+      for (const MeshSlabs::Slab& slab : slabs.slabs()) {
+        // They cover everything, slices by slices.
+        if (y == 0) z_end = slab.z_end;
+        ASSERT_EQ(slab.y_begin, y);
+        ASSERT_EQ(slab.z_begin, z);
+        ASSERT_EQ(slab.z_end, z_end);
+        cut_rows += slab.y_end < dimensions.y ? 1 : 0;
+        y = slab.y_end == dimensions.y ? 0 : slab.y_end;
+        if (y == 0) z = z_end;
+
+        ASSERT_LE(slab.count, most);
+        std::vector<SlabTriangle> found(slab.count);
+        ASSERT_TRUE(slabs.read(slab, 0, found).ok());
+        std::size_t next = 0;
+        for (const SpooledTriangle& triangle : all) {
+          bool near = true;
+          for (const auto& [axis, begin, end] :
+               {std::tuple(1, slab.y_begin, slab.y_end), std::tuple(2, slab.z_begin, slab.z_end)}) {
+            const auto [low, high] = std::minmax(
+                {triangle.corners[0][axis], triangle.corners[1][axis], triangle.corners[2][axis]});
+            near = near && low - 1.6f < static_cast<float>(end) && high + 1.6f > static_cast<float>(begin);
+          }
+          const bool here = next < found.size() && found[next].corners == triangle.corners;
+          ASSERT_TRUE(here || !near);
+          next += here ? 1 : 0;
+        }
+        ASSERT_EQ(next, found.size());
+      }
+      EXPECT_EQ(z, dimensions.z);
+      EXPECT_EQ(y, 0);
+    }
+  }
+  EXPECT_GT(cut_rows, 10u);
+  EXPECT_GT(refused, 0u);
+}
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(MeshVoxels, are_the_same_bytes_in_however_many_slabs) {
+  if (const auto made = MeshQuery::create(cube()); !made.ok()) GTEST_SKIP() << made.error().message;
+  io::TriangleMesh mesh = sphere_mesh({0, 0, 0}, 1, 6);
+  for (Vec3f& v : mesh.vertices) {
+    mesh.colors.emplace_back(0.5f + 0.5f * std::sin(7 * v.x), 0.5f + 0.5f * v.y, 0.3f);
+    v = (1 + 0.2f * std::sin(9 * v.y) * std::sin(8 * v.z)) * v;
+  }
+  const auto spool = spooled(mesh);
+  for (const bool solid : {true, false}) {
+    std::string first;
+    std::size_t most_slabs = 0;
+    // In the last there are fewer triangles than in a block of slices.
+    for (const std::uint64_t memory : {1ull << 30, 14ull << 20, 12500ull << 10}) {
+      MeshStoreOptions options;
+      options.resolution = 70;
+      options.solid = solid;
+      options.memory_bytes = memory;
+      options.source = "ball";
+      const std::string path = testing::TempDir() + "gvx_mesh_slabs.gvx";
+      const auto built = build_mesh_store(exec::Device::cpu(), *spool, path, options, {});
+      ASSERT_TRUE(built.ok()) << built.error().message;
+      most_slabs = std::max(most_slabs, built.value().slabs);
+      if (first.empty()) {
+        first = bytes_of(path);
+        EXPECT_EQ(built.value().slabs, 1u);
+      }
+      EXPECT_TRUE(bytes_of(path) == first) << built.value().slabs << " slabs";
+    }
+    EXPECT_GT(most_slabs, 9u) << "slices in ten blocks";
+  }
+}
+
+}  // namespace
+}  // namespace gvx::produce
