@@ -108,7 +108,9 @@ struct Tracer {
   bool composite_label(Vec3d p, double t) {
     const double label = volume.nearest(p), opacity = function(0).opacity(label);
     if (opacity <= 0) return false;
-    const scene::Shade<double> s = shade(volume.region_gradient(label, p), 1, t);
+    const Vec3d gradient = volume.region_gradient(label, p);
+    // Within a hundredth of a voxel of where nothing else is near there is no surface.
+    const scene::Shade<double> s = shade(gradient, std::min(64 * length(gradient), 1.0), t);
     add(function(0).color(label) * s.body + s.glint, 1 - std::pow(1 - opacity, step / unit()));
     return true;
   }

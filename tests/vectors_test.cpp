@@ -254,9 +254,31 @@ TEST(Vectors, of_every_content) {
   scene.view.functions = {scene::label_colors(4)};
   expect_alike_as_classified(scene, "labels");
   expect_previews_alike(scene, "labels");
+  scene.view.lighting.enabled = false;
+  expect_alike_as_classified(scene, "labels, unlit");
+  scene = planar_scene("vector_wide_labels", {VoxelType::u16, VoxelContent::labels, 1},
+                       {[](Vec3d p) { return 500 + std::floor(3 * waves(p)); }}, {50, 44, 40}, 2, 16);
+  scene.view.functions = {scene::label_colors(503)};
+  scene.view.lighting.light[0] = {scene::LightKind::point, {20, 5, 90}, {1, 0.9f, 0.8f}};
+  expect_alike_as_classified(scene, "labels of two bytes, near a light");
   scene = planar_scene("vector_colors", {VoxelType::u8, VoxelContent::color, 4},
                        {scaled(waves), scaled(ball), scaled(waves), scaled(waves)}, {50, 44, 40}, 2, 8);
   expect_alike_as_classified(scene, "colours");
+  scene.view.camera.eye = scene.view.camera.target + 4.0 * (scene.view.camera.eye - scene.view.camera.target);
+  expect_alike_as_classified(scene, "colours, far");
+  expect_previews_alike(scene, "colours, far");
+  const auto normal = [](int axis) {
+    return [axis](Vec3d p) { return 127 + std::round(100 * std::sin(p[axis] / 9 + axis) * waves(p)); };
+  };
+  scene = planar_scene(
+      "vector_normals", {VoxelType::u8, VoxelContent::color_normal, 7},
+      {scaled(waves), scaled(ball), scaled(waves), scaled(waves), normal(0), normal(1), normal(2)},
+      {50, 44, 40}, 2, 8);
+  expect_alike_as_classified(scene, "normals");
+  scene.view.camera.eye = scene.view.camera.target + 4.0 * (scene.view.camera.eye - scene.view.camera.target);
+  expect_alike_as_classified(scene, "normals, far");
+  scene.view.lighting.enabled = false;
+  expect_alike_as_classified(scene, "normals, far, unlit");
 }
 
 TEST(Vectors, on_a_real_volume) {

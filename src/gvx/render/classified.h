@@ -9,6 +9,10 @@
 
 namespace gvx::render {
 
+/// Where a label's own region changes by less than the inverse of this a voxel, nothing is near that it ends
+/// at: what is left of the gradient is rounding, and no normal.
+inline constexpr float kRegionSharpness = 64;
+
 /// How much a label's own region changes along each axis around a position: minus the outward normal.
 template <int M, typename Voxel>
 GVX_HD inline Vec3f region_gradient(const Voxel* labels, Vec3f position, Voxel label) {
@@ -48,7 +52,8 @@ GVX_HD void composite_labels(const RayView& ray, const Stretch<Voxel, M>& s, Ray
     if (!(m.extinction > 0.0f)) continue;
     const Vec3f gradient =
         frame.lighting.lighting.enabled ? region_gradient<M>(labels, position, label) : Vec3f{};
-    const scene::Shade<float> shade = ray.shade(gradient, 1, s.t_at(i));
+    const float certainty = std::fmin(kRegionSharpness * length(gradient), 1.0f);
+    const scene::Shade<float> shade = ray.shade(gradient, certainty, s.t_at(i));
     add(state, (1 / m.extinction) * m.color * shade.body + shade.glint, opacity_of(m.extinction * units));
     if (state.phase == RayPhase::finished) return;
   }
@@ -85,11 +90,13 @@ GVX_HD inline ColorSample sample_color(const brick::BrickView<std::uint8_t, M>& 
   return sample;
 }
 
+inline constexpr float kMostOpacity = 0.9999f;
+/// An opacity, of 255, that changes by this a voxel is a surface.
+inline constexpr float kSurfaceSlope = 16;
+
 /// Opacities are of a voxel of their own level; levels are blended as extinctions.
 template <bool kNormals, int M>
 GVX_HD void composite_colors(const RayView& ray, const Stretch<std::uint8_t, M>& s, RayState& state) {
-  constexpr float kMostOpacity = 0.9999f;
-  constexpr float kSurfaceSlope = 16;  // an opacity, of 255, that changes by this a voxel is a surface
   const FrameView& frame = ray.frame;
   const auto extinction_of = [](float opacity) { return -std::log(1 - std::fmin(opacity, kMostOpacity)); };
   for (std::int64_t step = 0; step < s.steps; ++step) {

@@ -296,15 +296,17 @@ HWY_INLINE Mask in_visible_cell(std::uint64_t cells, int edge, const Vec3v& p) {
   return hn::RebindMask(kFloats, hn::MaskFromVec(hn::BroadcastSignBit(hn::Shl(half, to_sign))));
 }
 
-template <typename Texels>
-HWY_INLINE Float sample(const Texels& texels, int edge, const Vec3v& p) {
-  const TexelPlace place(p, edge);
-  const Corners at = texels.read(place.index, edge + 2, (edge + 2) * (edge + 2));
+HWY_INLINE Float trilinear(const Corners& at, const Vec3v& weight) {
   const auto& c = at.corner;
-  const Vec3v& weight = place.weight;
   const Float c00 = mix(c[0], c[1], weight.x), c10 = mix(c[2], c[3], weight.x);
   const Float c01 = mix(c[4], c[5], weight.x), c11 = mix(c[6], c[7], weight.x);
   return mix(mix(c00, c10, weight.y), mix(c01, c11, weight.y), weight.z);
+}
+
+template <typename Texels>
+HWY_INLINE Float sample(const Texels& texels, int edge, const Vec3v& p) {
+  const TexelPlace place(p, edge);
+  return trilinear(texels.read(place.index, edge + 2, (edge + 2) * (edge + 2)), place.weight);
 }
 
 /// brick::CellSample.
@@ -459,14 +461,19 @@ struct Around {
   }
 };
 
+/// A place in a brick, if it was outside of it by rounding.
+HWY_INLINE Vec3v held(const Vec3v& p, int edge) {
+  const Float zero = hn::Zero(kFloats), last = all(static_cast<float>(edge));
+  const auto on_axis = [&](Float x) HWY_ATTR { return hn::Min(hn::Max(x, zero), last); };
+  return {on_axis(p.x), on_axis(p.y), on_axis(p.z)};
+}
+
 /// brick::gradient.
 template <typename Texels>
 HWY_INLINE Vec3v gradient(const Texels& texels, int edge, const Vec3v& p) {
   Around around;
   around.read(texels, edge, p);
-  const Float zero = hn::Zero(kFloats), last = all(static_cast<float>(edge));
-  const auto held = [&](Float x) HWY_ATTR { return hn::Min(hn::Max(x, zero), last); };
-  return around.gradient({held(p.x), held(p.y), held(p.z)});
+  return around.gradient(held(p, edge));
 }
 
 /// deviation_of_code of the byte at each index.

@@ -106,9 +106,19 @@ class Shading {
     return shade_scaled(scaled(per_soft, gradient), scale, to_eye, halves, point_at);
   }
 
+  /// RayView::shade: `certainty`, 0 to 1, says how much of a surface it is.
+  template <typename PointAt>
+  HWY_INLINE Shade shade_certain(const Vec3v& gradient, Float certainty, const Vec3v& to_eye,
+                                 const FarHalves& halves, const PointAt& point_at) const {
+    const Float length2 = world_length2(gradient), zero = hn::Zero(kFloats);
+    const Mask some = hn::Gt(length2, zero);
+    const Float per_length = hn::Div(all(1), hn::Sqrt(hn::IfThenElse(some, length2, all(1))));
+    return shade_unit(gradient, per_length, hn::IfThenElse(some, certainty, zero), to_eye, halves, point_at);
+  }
+
  private:
-  /// The same, by what makes the gradient one in units of what is half a surface. (No copies of vectors here:
-  /// a compiler makes them in halves, for which whole loads wait.)
+  /// The same as shade(), by what makes the gradient one in units of what is half a surface. (No copies of
+  /// vectors here: a compiler makes them in halves, for which whole loads wait.)
   template <typename PointAt>
   HWY_INLINE Shade shade_scaled(const Vec3v& gradient, Float scale, const Vec3v& to_eye,
                                 const FarHalves& halves, const PointAt& point_at) const {
@@ -120,6 +130,13 @@ class Shading {
     const Float above = hn::Add(steep2, all(1));
     const Float both = hn::Div(all(1), hn::Mul(above, steepness));
     const Float per_length = hn::Mul(above, both), certain = hn::Mul(hn::Mul(steep2, steepness), both);
+    return shade_unit(gradient, per_length, certain, to_eye, halves, point_at);
+  }
+
+  /// `per_length` makes the gradient one of unit length in the world.
+  template <typename PointAt>
+  HWY_INLINE Shade shade_unit(const Vec3v& gradient, const Float& per_length, const Float& certain,
+                              const Vec3v& to_eye, const FarHalves& halves, const PointAt& point_at) const {
     const Float diffuse = hn::Mul(certain, all(lighting_.diffuse));
     const Float specular = hn::Mul(certain, all(lighting_.specular));
     const Float ambient = all(lighting_.ambient), zero = hn::Zero(kFloats);

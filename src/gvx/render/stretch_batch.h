@@ -90,6 +90,9 @@ void composite_batch(const FrameView& frame, StretchBatch& batch);
 /// The same by post-classification (post_classified.h), in frames that have step_colors.
 void composite_post_batch(const FrameView& frame, StretchBatch& batch);
 
+/// The same for labels, and for colours with or without normals (classified.h).
+void composite_classified_batch(const FrameView& frame, StretchBatch& batch);
+
 /// Takes the values of scalars of one to four channels into what projecting rays have gathered
 /// (projection.h).
 void project_batch(const FrameView& frame, StretchBatch& batch);

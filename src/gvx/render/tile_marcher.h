@@ -30,7 +30,7 @@ inline Workspace& this_threads_workspace() {
 }
 
 /// Which vectors gather from a batch; none: one ray at a time does.
-enum class Vectors { none, composite, composite_post, project, find_surface };
+enum class Vectors { none, composite, composite_post, composite_classified, project, find_surface };
 
 inline Vectors vectors_for(const FrameView& frame) {
   const scene::Visibility& visibility = frame.visibility;
@@ -39,7 +39,7 @@ inline Vectors vectors_for(const FrameView& frame) {
     const bool post = frame.classification == scene::Classification::post;
     return post ? Vectors::composite_post : Vectors::composite;
   }
-  if (frame.format.content != VoxelContent::scalar) return Vectors::none;
+  if (frame.format.content != VoxelContent::scalar) return Vectors::composite_classified;
   if (projects(frame)) return Vectors::project;
   return visibility.mode == scene::Mode::isosurface ? Vectors::find_surface : Vectors::none;
 }
@@ -387,6 +387,9 @@ class TileMarcher {
         break;
       case Vectors::composite_post:
         composite_post_batch(frame, batch);
+        break;
+      case Vectors::composite_classified:
+        composite_classified_batch(frame, batch);
         break;
       case Vectors::project:
         return project_batch(frame, batch);
