@@ -249,6 +249,28 @@ TEST(Vectors, of_every_content) {
   expect_alike(scene, "two channels");
   scene.view.mode = scene::Mode::maximum;
   expect_alike_as_classified(scene, "two channels, maximum");
+  scene = planar_scene("vector_many_channels", {VoxelType::u16, VoxelContent::scalar, 4},
+                       {scaled(ball), scaled(waves), scaled(waves), scaled(ball)}, {50, 44, 40}, 3, 8);
+  scene.view.functions = {{{{0, {1, 0.4, 0.2}}}, {{90, 0}, {230, 0.3}}, 0},
+                          {{{0, {0.2, 0.6, 1}}}, {{120, 0}, {128, 0.6}, {136, 0}}, 0},
+                          {{{0, {0.2, 1, 0.3}}}, {{190, 0}, {195, 0.9}}, 0},
+                          {{{0, {1, 1, 1}}}, {{250, 0}, {251, 0.2}}, 0}};
+  const auto variant = [&](const char* what, auto change) {
+    TestScene changed = scene;
+    change(changed.view);
+    expect_alike(changed, std::string("four channels, ") + what);
+  };
+  variant("steep", [](auto&) {});
+  variant("unlit", [](auto& v) { v.lighting.enabled = false; });
+  variant("far", [](auto& v) { v.camera.eye = v.camera.target + 4.0 * (v.camera.eye - v.camera.target); });
+  variant("by gradient", [](auto& v) { v.functions[1].gradients = {{0, 0}, {10, 0.1}, {60, 1}}; });
+  scene = planar_scene("vector_float_channels", {VoxelType::f32, VoxelContent::scalar, 3},
+                       {ball, waves, waves}, {50, 44, 40}, 2, 16);
+  scene.view.functions = {{{{0, {1, 0.4, 0.2}}}, {{0.3, 0}, {0.9, 0.3}}, 0},
+                          {{{0, {0.2, 0.6, 1}}}, {{0.45, 0}, {0.5, 0.6}, {0.55, 0}}, 0},
+                          {{{0, {0.2, 1, 0.3}}}, {{0.7, 0}, {0.71, 0.9}}, 0}};
+  scene.view.lighting.light[0] = {scene::LightKind::point, {20, 5, 90}, {1, 0.9f, 0.8f}};
+  expect_alike(scene, "three channels of floats near a light");
   scene = planar_scene("vector_labels", {VoxelType::u8, VoxelContent::labels, 1},
                        {[](Vec3d p) { return std::floor(4 * waves(p)); }}, {50, 44, 40}, 2, 8);
   scene.view.functions = {scene::label_colors(4)};

@@ -11,59 +11,47 @@
 // clang-format off
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-#include "gvx/render/batch_simd-inl.h"
-#include "gvx/render/sample_simd-inl.h"
-#include "gvx/render/shade_simd-inl.h"
+#include "gvx/render/each_step_simd-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
 namespace {
 
-/// What the rays of a vector see in a step: nothing where `seen` is not.
-struct Shown {
-  Mask seen;
-  Vec3v color;
-  Float opacity;
-  Vec3v gradient;   // where it is lit
-  Float certainty;  // of a surface
-};
-
-HWY_INLINE Float opacity_of_depth(Float depth) {
-  return hn::Sub(all(1), hn::Exp(kFloats, hn::Neg(depth)));
+/// What goes with a colour that is lit.
+HWY_INLINE Vec3v lit_by(const Shade& shade, const Vec3v& color) {
+  return {hn::MulAdd(color.x, shade.body.x, shade.glint.x), hn::MulAdd(color.y, shade.body.y, shade.glint.y),
+          hn::MulAdd(color.z, shade.body.z, shade.glint.z)};
 }
 
 /// composite_labels: what a step shows.
 template <typename Voxel>
 class Labels {
  public:
+  static constexpr bool kWhole = true;
+
   HWY_INLINE Labels(const FrameView& frame, const StretchBatch& batch)
       : function_(frame.visibility.functions[0]),
         texels_(batch.fine.brick),
         edge_(static_cast<int>(batch.m)),
         units_(batch.units) {}
 
-  HWY_INLINE void show(Float i, const PathRows& fine, const PathRows&, Mask active, bool lit,
-                       Shown& shown) const {
-    const Vec3v p = fine.at(i);
+  HWY_INLINE void show(Float i, const StepRays<kWhole>& rays, Mask active, Shown& shown) const {
+    const Vec3v p = rays.fine.at(i);
     const Int texel = TexelPlace::index_of(texel_at(p.x), texel_at(p.y), texel_at(p.z), edge_);
     const Float label = gather_pair(texels_.texels, texel).low;
-    alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
-    static_assert(sizeof(scene::Matter) == 16);
-    const Float last = all(static_cast<float>(function_.entries - 1));
-    store_offsets(hn::ShiftLeft<4>(whole(hn::Min(label, last))), offsets);
-    Int matter[4];
-    load_rows(reinterpret_cast<const std::byte*>(function_.matter), offsets, matter);
-    const Float extinction = hn::BitCast(kFloats, matter[3]);
+    // Labels are the table's entries.
+    const Matter matter = function_.nearest_matter(label);
+    const Float extinction = matter.part[3];
     shown.seen = hn::And(active, hn::Gt(extinction, hn::Zero(kFloats)));
     if (none(shown.seen)) return;
     const Float share = hn::Div(all(1), hn::IfThenElse(shown.seen, extinction, all(1)));
-    shown.color = scaled(share, PathRows::vec3(matter));
-    shown.opacity = opacity_of_depth(hn::Mul(extinction, all(units_)));
-    if (!lit) return;
-    shown.gradient = region_gradient(p, label);
-    const Float steep = hn::Sqrt(dot(shown.gradient, shown.gradient));
-    shown.certainty = hn::Min(hn::Mul(steep, all(kRegionSharpness)), all(1));
+    shown.color = scaled(share, {matter.part[0], matter.part[1], matter.part[2]});
+    shown.opacity = opacity_of(hn::Mul(extinction, all(units_)));
+    if (!rays.lit()) return;
+    const Vec3v normal = region_gradient(p, label);
+    const Float steep = hn::Mul(hn::Sqrt(dot(normal, normal)), all(kRegionSharpness));
+    shown.color = lit_by(rays.shade_certain(i, normal, hn::Min(steep, all(1))), shown.color);
   }
 
  private:
@@ -82,7 +70,7 @@ class Labels {
     return around.gradient(held(p, edge_));
   }
 
-  const scene::TransferView& function_;
+  const Function function_;
   const PlainTexels<Voxel> texels_;
   const int edge_;
   const float units_;
@@ -92,6 +80,8 @@ class Labels {
 template <bool kNormals>
 class Colors {
  public:
+  static constexpr bool kWhole = true;
+
   HWY_INLINE Colors(const FrameView& frame, const StretchBatch& batch)
       : fine_(batch.fine.brick),
         coarse_(batch.coarse.brick),
@@ -100,15 +90,13 @@ class Colors {
         voxels_per_step_(frame.voxels_per_step),
         thickness_(batch.coarse.voxels_across / batch.fine.voxels_across) {}
 
-  HWY_INLINE void show(Float i, const PathRows& fine, const PathRows& coarse, Mask active, bool lit,
-                       Shown& shown) const {
-    const Vec3v p = fine.at(i);
+  HWY_INLINE void show(Float i, const StepRays<kWhole>& rays, Mask active, Shown& shown) const {
+    const Vec3v p = rays.fine.at(i);
     Sample mixed = sample(fine_, p, active);
     Float extinction = extinction_of(mixed.opacity);
     if (blended_) {
-      const Float asked = hn::MulAdd(i, coarse.eighth, coarse.fourth);
-      const Float blend = hn::Min(hn::Max(asked, hn::Zero(kFloats)), all(1));
-      const Sample other = sample(coarse_, coarse.at(i), active);
+      const Float blend = share_at(rays.coarse, i);
+      const Sample other = sample(coarse_, rays.coarse.at(i), active);
       extinction = mix(extinction, hn::Mul(all(thickness_), extinction_of(other.opacity)), blend);
       mixed.opacity = mix(mixed.opacity, other.opacity, blend);
       mixed.color = mix(mixed.color, other.color, blend);
@@ -120,17 +108,12 @@ class Colors {
     if (none(shown.seen)) return;
     const Float share = hn::Div(all(1), hn::IfThenElse(some, mixed.opacity, all(1)));
     shown.color = scaled(share, mixed.color);
-    shown.opacity = opacity_of_depth(hn::Mul(extinction, all(voxels_per_step_)));
-    if (!lit) return;
-    Float steep;
-    if constexpr (kNormals) {
-      shown.gradient = mixed.normal;
-      steep = hn::Mul(hn::Sqrt(dot(mixed.normal, mixed.normal)), share);
-    } else {
-      shown.gradient = gradient(plane(fine_, 3), edge_, p);
-      steep = hn::Mul(hn::Sqrt(dot(shown.gradient, shown.gradient)), all(1 / kSurfaceSlope));
-    }
-    shown.certainty = hn::Min(steep, all(1));
+    shown.opacity = opacity_of(hn::Mul(extinction, all(voxels_per_step_)));
+    if (!rays.lit()) return;
+    if constexpr (!kNormals) mixed.normal = gradient(plane(fine_, 3), edge_, p);
+    const Float per_surface = kNormals ? share : all(1 / kSurfaceSlope);
+    const Float steep = hn::Mul(hn::Sqrt(dot(mixed.normal, mixed.normal)), per_surface);
+    shown.color = lit_by(rays.shade_certain(i, mixed.normal, hn::Min(steep, all(1))), shown.color);
   }
 
  private:
@@ -189,67 +172,19 @@ class Colors {
   const float voxels_per_step_, thickness_;
 };
 
-template <typename Content>
-void composite_content(const FrameView& frame, StretchBatch& batch) {
-  constexpr std::size_t kLanes = hn::MaxLanes(kFloats);
-  const Shading<true> lights(frame);
-  const Content content(frame, batch);
-  const bool lit = lights.lit();
-  batch.opaque_count = 0;
-  for (std::size_t lane = 0; lane < batch.count; lane += kLanes) {
-    const BatchLanes lanes(batch, lane);
-    const PathRows fine = lanes.fine(batch), coarse = batch.blended ? lanes.coarse(batch) : fine;
-    const Float end = lanes.steps(fine);
-    const Vec3v to_eye = lit ? lanes.to_eye(batch) : fine.first;
-    typename Shading<true>::FarHalves halves;
-    if (lit) lights.find_halves(to_eye, halves);
-    Vec3v color;
-    Float opacity;
-    lanes.load(batch, color, opacity);
-    Int samples = hn::Zero(kInts);
-    const float last = hn::GetLane(hn::MaxOfLanes(kFloats, end));
-    for (float step = 0; step < last; step += 1) {
-      const Float i = all(step);
-      const Mask active = hn::And(hn::Lt(i, end), hn::Lt(opacity, all(kOpaque)));
-      if (none(active)) break;
-      samples = hn::Sub(samples, hn::VecFromMask(kInts, hn::RebindMask(kInts, active)));
-      Shown shown;
-      content.show(i, fine, coarse, active, lit, shown);
-      if (none(shown.seen)) continue;
-      Vec3v more = shown.color;
-      if (lit) {
-        const auto point_at = [&]() HWY_ATTR { return lanes.places(batch).at(i); };
-        const Shade shade = lights.shade_certain(shown.gradient, shown.certainty, to_eye, halves, point_at);
-        more = {hn::MulAdd(more.x, shade.body.x, shade.glint.x),
-                hn::MulAdd(more.y, shade.body.y, shade.glint.y),
-                hn::MulAdd(more.z, shade.body.z, shade.glint.z)};
-      }
-      const Float weight = hn::Mul(hn::Sub(all(1), opacity), shown.opacity);
-      const auto add = [&](Float more_color, Float& sum) HWY_ATTR {
-        sum = hn::IfThenElse(shown.seen, hn::MulAdd(weight, more_color, sum), sum);
-      };
-      add(more.x, color.x);
-      add(more.y, color.y);
-      add(more.z, color.z);
-      opacity = hn::IfThenElse(shown.seen, hn::Add(opacity, weight), opacity);
-    }
-    lanes.store(batch, color, opacity, samples);
-  }
-}
-
 }  // namespace
 
 void labels_u8(const FrameView& frame, StretchBatch& batch) {
-  composite_content<Labels<std::uint8_t>>(frame, batch);
+  composite_each_step<Labels<std::uint8_t>>(frame, batch);
 }
 void labels_u16(const FrameView& frame, StretchBatch& batch) {
-  composite_content<Labels<std::uint16_t>>(frame, batch);
+  composite_each_step<Labels<std::uint16_t>>(frame, batch);
 }
 void colors(const FrameView& frame, StretchBatch& batch) {
-  composite_content<Colors<false>>(frame, batch);
+  composite_each_step<Colors<false>>(frame, batch);
 }
 void colors_with_normals(const FrameView& frame, StretchBatch& batch) {
-  composite_content<Colors<true>>(frame, batch);
+  composite_each_step<Colors<true>>(frame, batch);
 }
 
 }  // namespace gvx::render::HWY_NAMESPACE

@@ -10,6 +10,11 @@
 #define GVX_RENDER_COMPOSITE_RAYS_SIMD_INL_H
 #endif
 
+// Before any of Highway.
+// clang-format off
+#include "gvx/render/simd_targets.h"
+// clang-format on
+
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -20,7 +25,6 @@
 #include "gvx/render/composite.h"
 #include "gvx/render/sample_simd-inl.h"
 #include "gvx/render/shade_simd-inl.h"
-#include "gvx/render/simd_targets.h"
 #include "gvx/render/stretch_batch.h"
 #include "gvx/render/transfer_simd-inl.h"
 
@@ -28,9 +32,6 @@ HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
 namespace {
 
-HWY_INLINE Float opacity_of(Float depth) {
-  return hn::Sub(all(1), hn::Exp(kFloats, hn::Neg(depth)));
-}
 HWY_INLINE Mask no_lanes() {
   return hn::Lt(all(1), all(0));
 }
@@ -127,6 +128,15 @@ struct Pieces {
   }
 };
 
+HWY_INLINE Pieces cuts_of(Float adds, Float longest) {
+  return Pieces::asked(hn::Mul(hn::Mul(adds, longest), all(1 / kWidePath)), kMostCuts);
+}
+HWY_INLINE Pieces parts_of(Float adds, Float longest) {
+  const Float wide =
+      hn::Min(hn::Max(hn::MulSub(longest, all(1 / kNarrowPath), all(1)), hn::Zero(kFloats)), all(1));
+  return Pieces::asked(hn::Mul(hn::Mul(wide, adds), all(1 / kThinDepth)), kMostParts);
+}
+
 /// Seen.
 struct Seen {
   Vec3v color;
@@ -210,16 +220,12 @@ class Rays {
     return {function_.entry_of(value), deviates};
   }
 
-  /// cuts_of and parts_of, by a step's or a span's matter and the entries that it goes through.
+  /// By a step's or a span's matter and the entries that it goes through.
   HWY_INLINE Pieces cuts(Float extinction, Float longest) const {
-    const Float adds = hn::Mul(left(), hn::Min(hn::Mul(extinction, all(batch_.units)), all(1)));
-    return Pieces::asked(hn::Mul(hn::Mul(adds, longest), all(1 / kWidePath)), kMostCuts);
+    return cuts_of(hn::Mul(left(), hn::Min(hn::Mul(extinction, all(batch_.units)), all(1))), longest);
   }
   HWY_INLINE Pieces parts(Float extinction, Float units, Float longest) const {
-    const Float adds = hn::Mul(left(), hn::Mul(extinction, units));
-    const Float wide =
-        hn::Min(hn::Max(hn::MulSub(longest, all(1 / kNarrowPath), all(1)), hn::Zero(kFloats)), all(1));
-    return Pieces::asked(hn::Mul(hn::Mul(wide, adds), all(1 / kThinDepth)), kMostParts);
+    return parts_of(hn::Mul(left(), hn::Mul(extinction, units)), longest);
   }
 
   /// see_span of one part, whose middle is at place i: of the lanes of `mask`.
@@ -316,7 +322,7 @@ class Rays {
     if constexpr (!kPlain) {
       if (batch_.blended) scale = mix(scale, all(batch_.coarse.gradient_scale), slope.blend);
     }
-    return lights_.shade(slope.gradient, scale, to_eye_, halves_,
+    return lights_.shade(0, slope.gradient, scale, to_eye_, halves_,
                          [&]() HWY_ATTR { return lanes_.places(batch_).at(i); });
   }
 

@@ -355,13 +355,6 @@ HWY_EXPORT(composite_u8);
 HWY_EXPORT(composite_u16);
 HWY_EXPORT(composite_f32);
 
-bool composites_batches(const FrameView& frame) {
-  const scene::Visibility& visibility = frame.visibility;
-  return frame.format.content == VoxelContent::scalar && visibility.mode == scene::Mode::composite &&
-         visibility.channels == 1 &&
-         (frame.classification == scene::Classification::preintegrated || frame.step_colors != nullptr);
-}
-
 const char* instruction_set() {
   return HWY_DYNAMIC_DISPATCH(name_of_set)();
 }

@@ -124,7 +124,7 @@ class SurfaceFinder {
     typename Lights::FarHalves halves;
     lights_.find_halves(to_eye, halves);
     // A surface for certain.
-    return lights_.shade(g, all(1e15f), to_eye, halves,
+    return lights_.shade(0, g, all(1e15f), to_eye, halves,
                          [&]() HWY_ATTR { return lanes_.places(batch_).at(hit); });
   }
 

@@ -1,6 +1,8 @@
 // composite_post_batch: post_classified.h once more, with a ray in each lane of a vector. All lanes step side
 // by side: no address waits for what was gathered. Compiled once for each instruction set.
 
+#include <type_traits>
+
 #include "gvx/render/simd_targets.h"
 #include "gvx/render/stretch.h"
 #include "gvx/render/stretch_batch.h"
@@ -11,9 +13,7 @@
 // clang-format off
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-#include "gvx/render/sample_simd-inl.h"
-#include "gvx/render/shade_simd-inl.h"
-#include "gvx/render/transfer_simd-inl.h"
+#include "gvx/render/each_step_simd-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
@@ -120,8 +120,7 @@ class Post {
     Vec3v p[kVectors];
     for (int k = 0; k < kVectors; ++k) {
       const PathRows path = lanes_[k].coarse(batch_);
-      blend[k] = hn::MulAdd(i, path.eighth, path.fourth);
-      blend[k] = hn::Min(hn::Max(blend[k], hn::Zero(kFloats)), all(1));
+      blend[k] = share_at(path, i);
       p[k] = path.at(i);
     }
     CellSample coarse[kVectors];
@@ -129,9 +128,7 @@ class Post {
     for (int k = 0; k < kVectors; ++k) {
       sample[k].value = mix(sample[k].value, coarse[k].value, blend[k]);
       if (!lit) continue;
-      sample[k].gradient = {mix(sample[k].gradient.x, coarse[k].gradient.x, blend[k]),
-                            mix(sample[k].gradient.y, coarse[k].gradient.y, blend[k]),
-                            mix(sample[k].gradient.z, coarse[k].gradient.z, blend[k])};
+      sample[k].gradient = mix(sample[k].gradient, coarse[k].gradient, blend[k]);
     }
   }
 
@@ -139,7 +136,7 @@ class Post {
                             const Vec3v& to_eye, const typename Lights::FarHalves& halves) const {
     Float scale = all(batch_.fine.gradient_scale);
     if constexpr (!kPlain) scale = mix(scale, all(batch_.coarse.gradient_scale), blend);
-    return lights_.shade(sample.gradient, scale, to_eye, halves,
+    return lights_.shade(0, sample.gradient, scale, to_eye, halves,
                          [&]() HWY_ATTR { return lanes.places(batch_).at(i); });
   }
 
@@ -178,17 +175,86 @@ void post_of(const FrameView& frame, StretchBatch& batch) {
   }
 }
 
+/// Of several channels, or where opacity depends on gradients.
+template <typename Voxel>
+class Classified {
+ public:
+  static constexpr bool kWhole = std::is_integral_v<Voxel>;
+
+  HWY_INLINE Classified(const FrameView& frame, const StretchBatch& batch)
+      : visibility_(frame.visibility), batch_(batch), edge_(static_cast<int>(batch.m)) {}
+
+  HWY_INLINE void show(Float i, const StepRays<kWhole>& rays, Mask active, Shown& shown) const {
+    const Float zero = hn::Zero(kFloats);
+    const Float blend = batch_.blended ? share_at(rays.coarse, i) : zero;
+    Float extinction = zero;
+    Vec3v color{zero, zero, zero};
+    for (std::uint32_t c = 0; c < visibility_.channels; ++c) {
+      const Function function(visibility_.functions[c]);
+      const bool by_gradient = function.by_gradient();
+      const CellSample sample = sample_of(c, i, rays, blend, rays.lit() || by_gradient);
+      const Float entry = function.entry_of(sample.value);
+      Mask seen = hn::AndNot(function.invisible(entry, entry), active);
+      if (none(seen)) continue;
+      const Matter m = function.nearest_matter(entry);
+      seen = hn::And(seen, hn::Gt(m.part[3], zero));
+      if (none(seen)) continue;
+      Float factor = all(1);
+      if (by_gradient) factor = rays.factor_of(function, sample.gradient, blend);
+      const Float weight = hn::IfThenElseZero(seen, hn::Mul(factor, m.part[3]));
+      extinction = hn::Add(extinction, weight);
+      Shade shade{{all(1), all(1), all(1)}, {zero, zero, zero}};
+      if (rays.lit()) shade = rays.shade(i, c, sample.gradient, blend);
+      const auto add = [&](Float of_matter, Float body, Float glint, Float& sum) HWY_ATTR {
+        const Float more = hn::MulAdd(hn::Mul(factor, of_matter), body, hn::Mul(weight, glint));
+        sum = hn::Add(sum, hn::IfThenElseZero(seen, more));
+      };
+      add(m.part[0], shade.body.x, shade.glint.x, color.x);
+      add(m.part[1], shade.body.y, shade.glint.y, color.y);
+      add(m.part[2], shade.body.z, shade.glint.z, color.z);
+    }
+    shown.seen = hn::Gt(extinction, zero);
+    if (none(shown.seen)) return;
+    shown.color = scaled(hn::Div(all(1), hn::IfThenElse(shown.seen, extinction, all(1))), color);
+    shown.opacity = opacity_of(hn::Mul(extinction, all(batch_.units)));
+  }
+
+ private:
+  HWY_INLINE CellSample sample_of(std::uint32_t channel, Float i, const StepRays<kWhole>& rays, Float blend,
+                                  bool with_gradient) const {
+    const std::size_t plane = channel * plane_texels(batch_.m) * sizeof(Voxel);
+    const Vec3v p[1] = {rays.fine.at(i)};
+    const Float zero = hn::Zero(kFloats);
+    CellSample fine[1] = {{zero, {zero, zero, zero}}};
+    cell_samples(PlainTexels<Voxel>(batch_.fine.brick + plane), edge_, p, with_gradient, fine);
+    if (!batch_.blended) return fine[0];
+    const Vec3v q[1] = {rays.coarse.at(i)};
+    CellSample coarse[1] = {fine[0]};
+    cell_samples(PlainTexels<Voxel>(batch_.coarse.brick + plane), edge_, q, with_gradient, coarse);
+    fine[0].value = mix(fine[0].value, coarse[0].value, blend);
+    fine[0].gradient = mix(fine[0].gradient, coarse[0].gradient, blend);
+    return fine[0];
+  }
+
+  const scene::Visibility& visibility_;
+  const StretchBatch& batch_;
+  const int edge_;
+};
+
 }  // namespace
 
 void post_u8(const FrameView& frame, StretchBatch& batch) {
+  if (frame.step_colors == nullptr) return composite_each_step<Classified<std::uint8_t>>(frame, batch);
   if (batch.blended || !makes_quads(batch)) return post_of<std::uint8_t>(frame, batch);
   const QuadTexels quads{batch.quads};
   post_all<true>(frame, batch, quads, quads);
 }
 void post_u16(const FrameView& frame, StretchBatch& batch) {
+  if (frame.step_colors == nullptr) return composite_each_step<Classified<std::uint16_t>>(frame, batch);
   post_of<std::uint16_t>(frame, batch);
 }
 void post_f32(const FrameView& frame, StretchBatch& batch) {
+  if (frame.step_colors == nullptr) return composite_each_step<Classified<float>>(frame, batch);
   post_of<float>(frame, batch);
 }
 

@@ -45,10 +45,10 @@ class Shading {
   HWY_INLINE explicit Shading(const FrameView& frame)
       : frame_(frame),
         lighting_(frame.lighting.lighting),
-        per_soft_gradient_(1 / frame.soft_gradient[0]),
         to_tree_{Vec3f(frame.world_to_tree.column[0]), Vec3f(frame.world_to_tree.column[1]),
                  Vec3f(frame.world_to_tree.column[2])} {
     const Vec3f& square = frame.gradient_square;
+    for (std::uint32_t c = 0; c < kMaxChannels; ++c) per_soft_gradient_[c] = 1 / frame.soft_gradient[c];
     even_ = square.x == square.y && square.y == square.z && !mixes_axes();
     for (int l = 0; l < lighting_.lights; ++l) {
       const scene::Light& light = lighting_.light[l];
@@ -96,12 +96,12 @@ class Shading {
     return sum;
   }
 
-  /// RayView::shade with a gradient in tree space, in stored values a voxel; `scale` is
+  /// RayView::shade with a gradient of a channel in tree space, in stored values a voxel; `scale` is
   /// FrameView::gradient_scale. `point_at()` gives the place in the world, where a light is near.
   template <typename PointAt>
-  HWY_INLINE Shade shade(const Vec3v& gradient, Float scale, const Vec3v& to_eye, const FarHalves& halves,
-                         const PointAt& point_at) const {
-    const Float per_soft = all(per_soft_gradient_);
+  HWY_INLINE Shade shade(std::uint32_t channel, const Vec3v& gradient, Float scale, const Vec3v& to_eye,
+                         const FarHalves& halves, const PointAt& point_at) const {
+    const Float per_soft = all(per_soft_gradient_[channel]);
     if constexpr (kWhole) return shade_scaled(gradient, hn::Mul(scale, per_soft), to_eye, halves, point_at);
     return shade_scaled(scaled(per_soft, gradient), scale, to_eye, halves, point_at);
   }
@@ -214,7 +214,7 @@ class Shading {
 
   const FrameView& frame_;
   const scene::Lighting& lighting_;
-  const float per_soft_gradient_;
+  float per_soft_gradient_[kMaxChannels];
   const Vec3f to_tree_[3];  // columns
   Vec3f place_[scene::Lighting::kMostLights], to_light_[scene::Lighting::kMostLights];
   bool even_, gray_ = true;  // voxels as wide along every axis; lights without a hue

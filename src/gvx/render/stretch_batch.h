@@ -76,18 +76,17 @@ struct StretchBatch {
   void put_in_order();
 };
 
-/// Are there vectors that composite this way to look? Scalars of one channel, but for opacity by gradient of
-/// classified samples.
-bool composites_batches(const FrameView& frame);
-
 /// The name of the instruction set whose vectors composite_batch uses: "AVX3", "AVX2", "SSE4", "NEON"..
 const char* instruction_set();
 
-/// Adds what is seen of every ray's stretch to what it has gathered. A ray's bits do not depend on the others
-/// in the batch. Only where composites_batches(frame).
+/// Adds what is seen of every ray's stretch of scalars of one channel to what it has gathered. A ray's bits
+/// do not depend on the others in the batch.
 void composite_batch(const FrameView& frame, StretchBatch& batch);
 
-/// The same by post-classification (post_classified.h), in frames that have step_colors.
+/// The same of several channels.
+void composite_channels_batch(const FrameView& frame, StretchBatch& batch);
+
+/// The same by post-classification (post_classified.h), of any number of channels.
 void composite_post_batch(const FrameView& frame, StretchBatch& batch);
 
 /// The same for labels, and for colours with or without normals (classified.h).

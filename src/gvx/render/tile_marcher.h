@@ -30,18 +30,23 @@ inline Workspace& this_threads_workspace() {
 }
 
 /// Which vectors gather from a batch; none: one ray at a time does.
-enum class Vectors { none, composite, composite_post, composite_classified, project, find_surface };
+enum class Vectors {
+  none,
+  composite,
+  composite_channels,
+  composite_post,
+  composite_classified,
+  project,
+  find_surface
+};
 
 inline Vectors vectors_for(const FrameView& frame) {
-  const scene::Visibility& visibility = frame.visibility;
   if (frame.adds_noise) return Vectors::none;
-  if (composites_batches(frame)) {
-    const bool post = frame.classification == scene::Classification::post;
-    return post ? Vectors::composite_post : Vectors::composite;
-  }
   if (frame.format.content != VoxelContent::scalar) return Vectors::composite_classified;
   if (projects(frame)) return Vectors::project;
-  return visibility.mode == scene::Mode::isosurface ? Vectors::find_surface : Vectors::none;
+  if (frame.visibility.mode == scene::Mode::isosurface) return Vectors::find_surface;
+  if (frame.classification == scene::Classification::post) return Vectors::composite_post;
+  return frame.visibility.channels == 1 ? Vectors::composite : Vectors::composite_channels;
 }
 
 template <typename Voxel, int N, int M>
@@ -385,6 +390,9 @@ class TileMarcher {
       case Vectors::composite:
         composite_batch(frame, batch);
         break;
+      case Vectors::composite_channels:
+        composite_channels_batch(frame, batch);
+        break;
       case Vectors::composite_post:
         composite_post_batch(frame, batch);
         break;
@@ -504,8 +512,8 @@ class TileMarcher {
       batch.coarse.gradient_scale = frame.gradient_scale[wanted.step_level - 1];
     }
     const bool post = frame.classification == scene::Classification::post;
-    const bool composites = vectors_ == Vectors::composite || vectors_ == Vectors::composite_post;
-    const bool alone = composites && !place.blended && (post || !batch.fine.deviates);
+    const bool of_cells = vectors_ == Vectors::composite || (post && frame.step_colors != nullptr);
+    const bool alone = of_cells && !place.blended && (post || !batch.fine.deviates);
     batch.cells = alone ? cells_of(place.slot) : ~std::uint64_t(0);
     return batch.cells != 0;
   }

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
 #include "gvx/render/batch_simd-inl.h"
@@ -26,6 +27,11 @@ namespace {
 struct Matter {
   Float part[4];  // r, g, b, extinction
 };
+
+/// Of so much extinction times length.
+HWY_INLINE Float opacity_of(Float depth) {
+  return hn::Sub(all(1), hn::Exp(kFloats, hn::Neg(depth)));
+}
 
 /// scene::TransferView::Reading.
 struct Reading {
@@ -97,6 +103,20 @@ class Function {
     for (int i = 0; i < 4; ++i) m.part[i] = hn::BitCast(kFloats, density[i]);
     return m;
   }
+
+  /// Of the nearest whole entry.
+  HWY_INLINE Matter nearest_matter(Float entry) const {
+    static_assert(sizeof(scene::Matter) == 16);
+    alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
+    store_offsets(hn::ShiftLeft<4>(nearest(entry)), offsets);
+    Int row[4];
+    load_rows(reinterpret_cast<const std::byte*>(view_.matter), offsets, row);
+    Matter m;
+    for (int i = 0; i < 4; ++i) m.part[i] = hn::BitCast(kFloats, row[i]);
+    return m;
+  }
+
+  HWY_INLINE bool by_gradient() const { return view_.gradient_factor != nullptr; }
 
   HWY_INLINE Int nearest(Float entry) const {
     return whole(hn::Floor(held_in_table(hn::Add(entry, all(0.5f)))));
