@@ -23,6 +23,17 @@ struct TilePart {
         width(std::min(grid.tile, grid.width - x0)),
         height(std::min(grid.tile, grid.height - y0)) {}
 
+  /// Has the processor fetch what is about to be written.
+  void prefetch([[maybe_unused]] exec::BufferView<RayState> rays, std::uint32_t picture_width) const {
+#if defined(__GNUC__)
+    for (std::uint32_t j = 0; j < height; ++j) {
+      const auto* row = reinterpret_cast<const char*>(&rays[std::size_t(y0 + j) * picture_width + x0]);
+      for (std::size_t byte = 0; byte < width * sizeof(RayState); byte += 64)
+        __builtin_prefetch(row + byte, 1);
+    }
+#endif
+  }
+
   /// Calls function(i, x, y) for each of its rays; i is the ray's place among those of the tile.
   template <typename Function>
   void for_rays(Function function) const {
@@ -67,9 +78,13 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
     };
     ActiveRays marching, resuming;
     bool all_finished = true;
+    // Rays of a tile begin together: of one that is new their states, most of a frame's memory, need not be
+    // waited for until they are written.
+    const bool is_new = rays[index_of(part.x0, part.y0)].epoch != pass.epoch;
+    if (is_new) part.prefetch(rays, grid.width);
     part.for_rays([&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
       const RayState& ray = rays[index_of(x, y)];
-      const bool begun = ray.epoch == pass.epoch;
+      const bool begun = !is_new && ray.epoch == pass.epoch;
       if (begun && ray.phase == RayPhase::finished) return;
       all_finished = false;
       if (pass.lone_ray != Pass::kAllRays && pass.lone_ray != index_of(x, y)) return;
