@@ -109,8 +109,9 @@ struct Tracer {
     const double label = volume.nearest(p), opacity = function(0).opacity(label);
     if (opacity <= 0) return false;
     const Vec3d gradient = volume.region_gradient(label, p);
-    // Within a hundredth of a voxel of where nothing else is near there is no surface.
-    const scene::Shade<double> s = shade(gradient, std::min(64 * length(gradient), 1.0), t);
+    // Where the region changes by less than a 64th a voxel nothing else is near.
+    constexpr double kSharpness = 64;
+    const scene::Shade<double> s = shade(gradient, std::min(kSharpness * length(gradient), 1.0), t);
     add(function(0).color(label) * s.body + s.glint, 1 - std::pow(1 - opacity, step / unit()));
     return true;
   }

@@ -77,7 +77,8 @@ Result<nlohmann::json> describe_volume(const std::string& path, const io::RawOpt
 Result<nlohmann::json> describe_mesh(const std::string& path) {
   std::error_code error;
   const std::string folder = std::filesystem::temp_directory_path(error).string();
-  GVX_ASSIGN(const auto mesh, produce::spool_mesh(path, folder.empty() ? "." : folder, 1ull << 30, {}));
+  GVX_ASSIGN(const auto mesh, produce::spool_mesh(path, folder.empty() ? "." : folder, 1ull << 30,
+                                                  produce::MeshSpool::Keep::summary_only, {}));
   const produce::MeshSummary& summary = mesh->summary();
   return nlohmann::json{{"format", "mesh"},
                         {"vertices", summary.vertices},

@@ -29,10 +29,10 @@ class MeshFlags {
   std::optional<std::string> fill_;
 };
 
-/// Reads the mesh and writes the store; `fill` says what `options.solid` becomes. Says what is being done
-/// where standard error is a terminal.
+/// Reads the mesh and writes the store; `fill` says what `options.solid` becomes. Where standard error is a
+/// terminal it says how far it is, behind `title`.
 Result<produce::MeshStoreReport> build_mesh(const exec::Device& cpu, const std::string& path,
                                             const std::string& output, produce::MeshStoreOptions options,
-                                            MeshFlags::Fill fill);
+                                            MeshFlags::Fill fill, const std::string& title = "");
 
 }  // namespace gvx::app

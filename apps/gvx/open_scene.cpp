@@ -60,19 +60,21 @@ Result<std::unique_ptr<store::StoreReader>> build_nameless_store(const exec::Dev
                                                                  scene::GenerateParts& parts) {
   GVX_ASSIGN(const auto folder, TemporaryFolder::create());
   const std::string store_path = folder->path() + "/volume.gvx";
+  const std::string title = "building a temporary store (gvx build keeps it)";
   if (io::is_mesh_name(path)) {
     produce::MeshStoreOptions options;
     if (parts.resolution) options.resolution = *parts.resolution;
     parts.resolution.reset();
     options.codec = store::Codec::lz4;
-    GVX_ASSIGN(const auto report, build_mesh(cpu, path, store_path, options, MeshFlags::Fill::automatic));
+    GVX_ASSIGN(const auto report,
+               build_mesh(cpu, path, store_path, options, MeshFlags::Fill::automatic, title + ": "));
     (void)report;
   } else {
     GVX_ASSIGN(const auto volume, io::open_volume(path, raw));
     io::StoreBuildOptions options;
     options.codec = store::Codec::lz4;
     options.memory_bytes = 4ull << 30;
-    Progress progress("building a temporary store (gvx build keeps it)", "");
+    Progress progress(title, "");
     const auto show = [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); };
     GVX_ASSIGN(const auto report, io::build_store(cpu, *volume, store_path, options, show));
     (void)report;

@@ -2,9 +2,16 @@
 
 namespace gvx::brick {
 
+namespace {
+
+/// Vectors read up to so many bytes beyond a brick's last texel.
+constexpr std::size_t kRoomBehind = 16;
+
+}  // namespace
+
 BrickPool::BrickPool(const exec::Device& device, std::size_t brick_bytes, std::uint32_t slots)
     : brick_bytes_(brick_bytes),
-      bytes_(device, brick_bytes * slots),
+      bytes_(device, brick_bytes * slots + kRoomBehind),
       usage_(device, slots),
       cell_masks_(device, slots) {}
 

@@ -20,10 +20,12 @@ namespace gvx::io {
 template <typename Record, typename Less>
 class ExternalSorter {
  public:
-  /// Scratch files stand in `folder`, and are only made where memory_bytes do not suffice.
-  ExternalSorter(std::string folder, std::uint64_t memory_bytes, Less less)
+  /// For no more than `expected` records. A scratch file stands in `folder`, and is only made where
+  /// memory_bytes do not suffice.
+  ExternalSorter(std::string folder, std::uint64_t memory_bytes, std::uint64_t expected, Less less)
       : folder_(std::move(folder)),
-        most_(std::max<std::size_t>(static_cast<std::size_t>(memory_bytes / sizeof(Record)), 2)),
+        most_(static_cast<std::size_t>(
+            std::max<std::uint64_t>(std::min(memory_bytes / sizeof(Record), expected + 1), 2))),
         less_(less) {}
 
   Status push(const Record& record) {
@@ -33,7 +35,6 @@ class ExternalSorter {
     return run_.size() < most_ ? Status() : end_run();
   }
 
-  /// Calls function(record) for all of them in order; it returns a Status. Nothing can be pushed afterwards.
   /// Calls function(record) for all of them in order; it returns a Status. Nothing can be pushed afterwards.
   template <typename Function>
   Status for_each(const Function& function) {

@@ -22,7 +22,7 @@ using Sorter = ExternalSorter<Record, ByKey>;
 
 /// What a sorter makes of records that are pushed in this order.
 std::vector<std::uint64_t> sorted(const std::vector<std::uint64_t>& keys, std::uint64_t memory_bytes) {
-  Sorter sorter(testing::TempDir(), memory_bytes, ByKey());
+  Sorter sorter(testing::TempDir(), memory_bytes, keys.size(), ByKey());
   for (const std::uint64_t key : keys) EXPECT_TRUE(sorter.push({key, 7}).ok());
   std::vector<std::uint64_t> out;
   const Status done = sorter.for_each([&](const Record& record) -> Status {
@@ -49,7 +49,7 @@ TEST(ExternalSort, sorts_as_memory_would_whatever_fits) {
 }
 
 TEST(ExternalSort, says_what_the_disk_says) {
-  Sorter nowhere("/nowhere/at/all", 2 * sizeof(Record), ByKey());
+  Sorter nowhere("/nowhere/at/all", 2 * sizeof(Record), 100, ByKey());
   ASSERT_TRUE(nowhere.push({1}).ok());
   const Status refused = nowhere.push({2});
   ASSERT_FALSE(refused.ok());
@@ -63,7 +63,7 @@ TEST(ExternalSort, says_what_the_disk_says) {
   const rlimit small{1 << 16, before.rlim_max};
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
   Status status;
-  Sorter full(testing::TempDir(), 1 << 12, ByKey());
+  Sorter full(testing::TempDir(), 1 << 12, 100000, ByKey());
   for (int i = 0; i < 100000 && status.ok(); ++i) status = full.push({1});
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
   std::signal(SIGXFSZ, handler);

@@ -1,7 +1,6 @@
 #include "gvx/io/mesh_ply.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <memory>

@@ -1,6 +1,6 @@
 /// \file
-/// Files that hold what does not fit memory, and lists of records in them. They have no name: nothing is left
-/// behind however the program ends.
+/// Files that hold what does not fit memory, and lists of records in them. They have no name, so that nothing
+/// is left behind however the program ends (on file systems that must name a file first: but in that moment).
 #pragma once
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "gvx/core/result.h"

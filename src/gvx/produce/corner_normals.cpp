@@ -1,5 +1,6 @@
 #include "gvx/produce/corner_normals.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -24,9 +25,9 @@ Normal16 packed(Vec3f v) {
 
 }  // namespace
 
-CornerNormals::CornerNormals(const std::string& folder, std::uint64_t memory_bytes)
-    : folder_(folder), memory_bytes_(memory_bytes) {
-  corners_.emplace(folder, memory_bytes / 3 * 2, ByPlace());
+CornerNormals::CornerNormals(const std::string& folder, std::uint64_t memory_bytes, std::uint64_t triangles)
+    : folder_(folder), memory_bytes_(memory_bytes), expected_corners_(3 * triangles) {
+  corners_.emplace(folder, memory_bytes / 3 * 2, expected_corners_, ByPlace());
 }
 
 Status CornerNormals::push(const std::array<Vec3f, 3>& triangle) {
@@ -42,8 +43,8 @@ Status CornerNormals::push(const std::array<Vec3f, 3>& triangle) {
 }
 
 Status CornerNormals::smooth(std::span<const Corner> around, Normals& normals) {
-  std::vector<Vec3f> units;
-  for (const Corner& corner : around) units.push_back(unit(corner.normal));
+  std::array<Vec3f, kMostAround> units;
+  std::transform(around.begin(), around.end(), units.begin(), [](const Corner& c) { return unit(c.normal); });
   for (std::size_t i = 0; i < around.size(); ++i) {
     Vec3f sum;
     for (std::size_t j = 0; j < around.size(); ++j) {
@@ -55,7 +56,7 @@ Status CornerNormals::smooth(std::span<const Corner> around, Normals& normals) {
 }
 
 Status CornerNormals::for_each(const std::function<Status(const std::array<Normal16, 3>&)>& function) {
-  Normals normals(folder_, memory_bytes_ / 3, ByIndex());
+  Normals normals(folder_, memory_bytes_ / 3, expected_corners_, ByIndex());
   std::vector<Corner> around;
   bool hub = false;
   const auto end_vertex = [&]() -> Status {

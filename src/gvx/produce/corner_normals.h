@@ -24,8 +24,8 @@ using Normal16 = std::array<std::int16_t, 3>;
 /// vertex: files often repeat one for each of its triangles.
 class CornerNormals {
  public:
-  /// Sorts in memory_bytes and scratch files in `folder`.
-  CornerNormals(const std::string& folder, std::uint64_t memory_bytes);
+  /// Sorts so many triangles in memory_bytes and scratch files in `folder`.
+  CornerNormals(const std::string& folder, std::uint64_t memory_bytes, std::uint64_t triangles);
 
   /// Places must be finite.
   Status push(const std::array<Vec3f, 3>& triangle);
@@ -57,11 +57,11 @@ class CornerNormals {
   using Corners = io::ExternalSorter<Corner, ByPlace>;
   using Normals = io::ExternalSorter<Normal, ByIndex>;
 
-  /// Finds the normals around one vertex, in any order.
+  /// Finds the normals around one vertex.
   static Status smooth(std::span<const Corner> around, Normals& normals);
 
   std::string folder_;
-  std::uint64_t memory_bytes_, triangles_ = 0;
+  std::uint64_t memory_bytes_, expected_corners_, triangles_ = 0;
   std::optional<Corners> corners_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #if defined(GVX_WITH_EMBREE)
@@ -50,26 +51,27 @@ struct NearestSearch {
   bool found = false;
 };
 
-/// Boxes are as near as rounding knows: one that is passed over by a hair may hold a triangle that is as near
-/// as the best.
-constexpr float kHair = 1 + 1e-5f;
+/// What is found must not depend on how triangles are shared out to boxes: boxes that are farther than the
+/// best triangle by no more than rounding are looked into, too.
+constexpr float kHair = 1.001f, kRounding = 1e-6f;
 
 bool consider(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<NearestSearch*>(arguments->userPtr);
   const auto& triangle = search.mesh.triangles[arguments->primID];
-  const Vec3f a = search.mesh.vertices[triangle[0]], b = search.mesh.vertices[triangle[1]],
-              c = search.mesh.vertices[triangle[2]];
   RTCPointQuery& query = *arguments->query;
   const Vec3f p(query.x, query.y, query.z);
-  const std::array<float, 3> w = nearest_weights(p, a, b, c);
-  const float distance = length(w[0] * a + w[1] * b + w[2] * c - p);
+  // From the place: there rounding is least.
+  const Vec3f a = search.mesh.vertices[triangle[0]] - p, b = search.mesh.vertices[triangle[1]] - p,
+              c = search.mesh.vertices[triangle[2]] - p;
+  const std::array<float, 3> w = nearest_weights({}, a, b, c);
+  const float distance = length(w[0] * a + w[1] * b + w[2] * c);
   // Of equally near ones the first, whatever order they come in.
   const bool nearer = distance < search.best.distance || (search.found && distance == search.best.distance &&
                                                           arguments->primID < search.best.triangle);
   if (!nearer) return false;
   search.best = {distance, arguments->primID, w};
   search.found = true;
-  query.radius = kHair * distance;
+  query.radius = kHair * distance + kRounding * (length(a) + length(b) + length(c));
   return true;
 }
 
@@ -134,7 +136,9 @@ Result<std::unique_ptr<MeshQuery>> MeshQuery::create(io::TriangleMesh mesh) {
   rtcAttachGeometry(scene.scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene.scene);
-  if (rtcGetDeviceError(scene.device) != RTC_ERROR_NONE) return Error{"a mesh: Embree: out of memory"};
+  const RTCError error = rtcGetDeviceError(scene.device);
+  if (error == RTC_ERROR_OUT_OF_MEMORY) return Error{"a mesh: Embree: out of memory"};
+  if (error != RTC_ERROR_NONE) return Error{"a mesh: Embree: error " + std::to_string(error)};
   return query;
 }
 

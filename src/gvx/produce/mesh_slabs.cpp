@@ -215,7 +215,7 @@ Result<std::optional<MeshSlabs>> MeshSlabs::sort(const MeshSpool& mesh, const Sp
   };
 
   SlabPlan plan(space.dimensions);
-  CornerNormals normals(mesh.folder(), memory_bytes / 4 * 3);
+  CornerNormals normals(mesh.folder(), memory_bytes / 4 * 3, all);
   io::ScratchReader<SpooledTriangle> first(mesh.triangles(), 0, all, kBuffer);
   for (std::uint64_t i = 0; i < all; ++i) {
     GVX_ASSIGN(const SpooledTriangle* triangle, first.next());

@@ -48,8 +48,8 @@ class MeshSlabs {
   /// Slices and rows are cut at multiples of this.
   static constexpr std::int64_t kBlock = 8;
 
-  /// Sorts within memory_bytes. No slab has more than `most` triangles in it or within two voxels of it;
-  /// nothing where one of kBlock slices and a sixty-fourth of the rows has.
+  /// Sorts within memory_bytes a mesh that is in the space's voxels. No slab has more than `most` triangles
+  /// in it or within two voxels of it; nothing where one of kBlock slices and a sixty-fourth of the rows has.
   static Result<std::optional<MeshSlabs>> sort(const MeshSpool& mesh, const Space& space,
                                                std::uint64_t memory_bytes, std::uint64_t most,
                                                const MeshBuildProgress& progress);

@@ -8,7 +8,7 @@
 namespace gvx::produce {
 namespace {
 
-constexpr std::uint64_t kBlockVertices = 1024;
+constexpr std::uint64_t kBlockVertices = 512;
 
 /// Bits that depend on all of h (Appleby's MurmurHash3, its finalizer).
 std::uint64_t mixed(std::uint64_t h) {
@@ -39,27 +39,34 @@ Rgb8 bytes_of(Vec3f color) {
 
 }  // namespace
 
-Result<std::unique_ptr<MeshSpool>> MeshSpool::create(const std::string& folder, std::uint64_t memory_bytes) {
+Result<std::unique_ptr<MeshSpool>> MeshSpool::create(const std::string& folder, std::uint64_t memory_bytes,
+                                                     Keep keep) {
   GVX_ASSIGN(auto vertices, io::ScratchList<Vertex>::create(folder));
   GVX_ASSIGN(auto triangles, io::ScratchList<SpooledTriangle>::create(folder));
-  const std::uint64_t blocks =
-      std::max<std::uint64_t>(memory_bytes / 2 / (kBlockVertices * sizeof(Vertex)), 8);
   return std::unique_ptr<MeshSpool>(
-      new MeshSpool(folder, static_cast<std::size_t>(blocks), std::move(vertices), std::move(triangles)));
+      new MeshSpool(folder, memory_bytes, keep, std::move(vertices), std::move(triangles)));
 }
 
-MeshSpool::MeshSpool(std::string folder, std::size_t blocks, io::ScratchList<Vertex> vertices,
-                     io::ScratchList<SpooledTriangle> triangles)
+MeshSpool::MeshSpool(std::string folder, std::uint64_t memory_bytes, Keep keep,
+                     io::ScratchList<Vertex> vertices, io::ScratchList<SpooledTriangle> triangles)
     : folder_(std::move(folder)),
+      keep_(keep),
+      most_blocks_(std::max<std::uint64_t>(memory_bytes / 2 / (kBlockVertices * sizeof(Vertex)), 8)),
       vertices_(std::move(vertices)),
-      blocks_(blocks),
-      of_blocks_(std::make_unique_for_overwrite<Vertex[]>(blocks * kBlockVertices)),
       triangles_(std::move(triangles)) {}
+
+void MeshSpool::make_room() {
+  const std::uint64_t there = (vertices_->size() + kBlockVertices - 1) / kBlockVertices;
+  const auto wanted = static_cast<std::size_t>(std::min(there, most_blocks_));
+  if (wanted <= blocks_.size()) return;
+  blocks_.assign(wanted, Block());
+  of_blocks_ = std::make_unique_for_overwrite<std::byte[]>(wanted * kBlockVertices * sizeof(Vertex));
+}
 
 Status MeshSpool::add_vertices(std::span<const Vec3f> places, std::span<const Vec3f> colors) {
   summary_.colors = summary_.colors || !colors.empty();
   for (std::size_t i = 0; i < places.size(); ++i) {
-    GVX_TRY(vertices_.push({places[i], colors.empty() ? kPlainColor : bytes_of(colors[i])}));
+    GVX_TRY(vertices_->push({places[i], colors.empty() ? kPlainColor : bytes_of(colors[i])}));
   }
   return {};
 }
@@ -69,21 +76,22 @@ Result<MeshSpool::Vertex> MeshSpool::vertex(std::uint32_t index) {
   const auto at = static_cast<std::size_t>(index % kBlockVertices);
   const auto place = static_cast<std::size_t>(number % blocks_.size());
   Block& block = blocks_[place];
-  Vertex* vertices = &of_blocks_[place * kBlockVertices];
+  Vertex* vertices = reinterpret_cast<Vertex*>(of_blocks_.get()) + place * kBlockVertices;
   if (block.number != number || at >= block.vertices) {
     const std::uint64_t first = number * kBlockVertices;
-    const auto count = static_cast<std::size_t>(std::min(kBlockVertices, vertices_.size() - first));
+    const auto count = static_cast<std::size_t>(std::min(kBlockVertices, vertices_->size() - first));
     block = {};
-    GVX_TRY(vertices_.read(first, {vertices, count}));
+    GVX_TRY(vertices_->read(first, {vertices, count}));
     block = {number, count};
   }
   return vertices[at];
 }
 
 Status MeshSpool::add_triangles(std::span<const io::Triangle> triangles) {
-  GVX_TRY(vertices_.flush());
+  GVX_TRY(vertices_->flush());
+  make_room();
   for (const io::Triangle& t : triangles) {
-    if (std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return v >= vertices_.size(); })) {
+    if (std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return v >= vertices_->size(); })) {
       ++summary_.dropped;
       continue;
     }
@@ -99,7 +107,8 @@ Status MeshSpool::add_triangles(std::span<const io::Triangle> triangles) {
       continue;
     }
     take_into_account(triangle);
-    GVX_TRY(triangles_.push(triangle));
+    ++summary_.triangles;
+    if (keep_ == Keep::triangles) GVX_TRY(triangles_.push(triangle));
   }
   return {};
 }
@@ -126,16 +135,17 @@ Status MeshSpool::finish() {
   GVX_TRY(triangles_.flush());
   blocks_ = std::vector<Block>();
   of_blocks_.reset();
-  summary_.vertices = vertices_.size();
-  summary_.triangles = triangles_.size();
+  summary_.vertices = vertices_->size();
+  vertices_.reset();
   summary_.closed = odd_[0] == 0 && odd_[1] == 0 && summary_.triangles > 0;
   summary_.mean_color = area_ > 0 ? Vec3f(color_ / area_) : Vec3f();
   return {};
 }
 
 Result<std::unique_ptr<MeshSpool>> spool_mesh(const std::string& path, const std::string& folder,
-                                              std::uint64_t memory_bytes, const io::MeshProgress& progress) {
-  GVX_ASSIGN(auto spool, MeshSpool::create(folder, memory_bytes));
+                                              std::uint64_t memory_bytes, MeshSpool::Keep keep,
+                                              const io::MeshProgress& progress) {
+  GVX_ASSIGN(auto spool, MeshSpool::create(folder, memory_bytes, keep));
   GVX_TRY(io::stream_mesh(path, *spool, progress));
   GVX_TRY(spool->finish());
   if (spool->summary().triangles == 0) return Error{path + ": there is no triangle in it"};

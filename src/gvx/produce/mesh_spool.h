@@ -4,8 +4,11 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,11 +43,15 @@ struct MeshSummary {
   bool closed = false;
 };
 
-/// One thread fills it, then finishes it.
+/// One thread fills it, then finishes it. Vertices wait on disk, too, and as many as fit half of the memory
+/// are read again in blocks: where triangles jump about among more of them than that, each corner is a read.
 class MeshSpool final : public io::MeshSink {
  public:
-  /// Its scratch files stand in `folder`; about half of memory_bytes is taken while triangles come.
-  static Result<std::unique_ptr<MeshSpool>> create(const std::string& folder, std::uint64_t memory_bytes);
+  enum class Keep { triangles, summary_only };
+
+  /// Its scratch files stand in `folder`.
+  static Result<std::unique_ptr<MeshSpool>> create(const std::string& folder, std::uint64_t memory_bytes,
+                                                   Keep keep = Keep::triangles);
 
   Status add_vertices(std::span<const Vec3f> places, std::span<const Vec3f> colors) override;
   Status add_triangles(std::span<const io::Triangle> triangles) override;
@@ -55,7 +62,7 @@ class MeshSpool final : public io::MeshSink {
   /// What it all is, once it is finished.
   const MeshSummary& summary() const { return summary_; }
 
-  /// In the file's order, once it is finished.
+  /// In the file's order, once it is finished; none where only the summary is kept.
   const io::ScratchList<SpooledTriangle>& triangles() const { return triangles_; }
 
   const std::string& folder() const { return folder_; }
@@ -72,16 +79,20 @@ class MeshSpool final : public io::MeshSink {
     std::size_t vertices = 0;
   };
 
-  MeshSpool(std::string folder, std::size_t blocks, io::ScratchList<Vertex> vertices,
+  MeshSpool(std::string folder, std::uint64_t memory_bytes, Keep keep, io::ScratchList<Vertex> vertices,
             io::ScratchList<SpooledTriangle> triangles);
 
+  /// Makes room for the blocks that there are, or as many as may be.
+  void make_room();
   Result<Vertex> vertex(std::uint32_t index);
   void take_into_account(const SpooledTriangle& triangle);
 
   std::string folder_;
-  io::ScratchList<Vertex> vertices_;
-  std::vector<Block> blocks_;  // each for the blocks of which the number has its remainder
-  std::unique_ptr<Vertex[]> of_blocks_;
+  Keep keep_;
+  std::uint64_t most_blocks_;
+  std::optional<io::ScratchList<Vertex>> vertices_;
+  std::vector<Block> blocks_;               // each for the blocks of which the number has its remainder
+  std::unique_ptr<std::byte[]> of_blocks_;  // pages are not touched before they are filled
   io::ScratchList<SpooledTriangle> triangles_;
   MeshSummary summary_;
   double area_ = 0;
@@ -91,6 +102,7 @@ class MeshSpool final : public io::MeshSink {
 
 /// A mesh file in a spool that is finished; an error where there is no triangle in it.
 Result<std::unique_ptr<MeshSpool>> spool_mesh(const std::string& path, const std::string& folder,
-                                              std::uint64_t memory_bytes, const io::MeshProgress& progress);
+                                              std::uint64_t memory_bytes, MeshSpool::Keep keep,
+                                              const io::MeshProgress& progress);
 
 }  // namespace gvx::produce

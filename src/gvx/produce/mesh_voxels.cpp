@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,8 @@ constexpr std::int64_t kMargin = 3;
 constexpr std::int64_t kBlock = MeshSlabs::kBlock;
 /// Of a slab's: what is said of it, and Embree's hierarchy while it is made.
 constexpr std::uint64_t kBytesPerTriangle = 256;
+/// Embree takes vertices of 16 GiB at most.
+constexpr std::uint64_t kMostTriangles = 400'000'000;
 /// A slab that held fewer would be hardly worth its while.
 constexpr std::uint64_t kLeastTriangles = 1 << 12;
 
@@ -219,7 +222,8 @@ Result<MeshStoreReport> build_mesh_store(const exec::Device& cpu, const MeshSpoo
                  "; " + store::mebibytes(options.memory_bytes) + " are allowed (--memory)"};
   };
   if (needed > options.memory_bytes) return too_much(store::mebibytes(needed) + " of memory");
-  const std::uint64_t most = (options.memory_bytes - slices_bytes) / kBytesPerTriangle;
+  const std::uint64_t most =
+      std::min((options.memory_bytes - slices_bytes) / kBytesPerTriangle, kMostTriangles);
   GVX_ASSIGN(const std::optional<MeshSlabs> slabs,
              MeshSlabs::sort(mesh, {info.voxel_to_world.origin, voxel, dimensions}, options.memory_bytes,
                              most, progress));

@@ -76,6 +76,13 @@ TEST(MeshSpool, knows_the_mesh_as_a_whole) {
   summary = spooled(colored)->summary();
   EXPECT_TRUE(summary.colors);
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(summary.mean_color[axis], 0.5f, 1e-6f);
+
+  auto only = MeshSpool::create(testing::TempDir(), 1 << 20, MeshSpool::Keep::summary_only).value();
+  ASSERT_TRUE(only->add_vertices(colored.vertices, colored.colors).ok());
+  ASSERT_TRUE(only->add_triangles(colored.triangles).ok() && only->finish().ok());
+  EXPECT_EQ(only->triangles().size(), 0u);
+  EXPECT_EQ(only->summary().triangles, 12u);
+  EXPECT_TRUE(only->summary().closed);
 }
 
 TEST(MeshSpool, finds_vertices_that_are_not_in_memory) {
@@ -110,7 +117,7 @@ TEST(MeshSpool, finds_vertices_that_are_not_in_memory) {
 
 /// The normals of a mesh's corners, of unit length.
 std::vector<std::array<Vec3f, 3>> normals_of(const io::TriangleMesh& mesh, std::uint64_t memory_bytes) {
-  CornerNormals normals(testing::TempDir(), memory_bytes);
+  CornerNormals normals(testing::TempDir(), memory_bytes, mesh.triangles.size());
   for (const io::Triangle& t : mesh.triangles) {
     EXPECT_TRUE(normals.push({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}).ok());
   }
@@ -254,6 +261,21 @@ TEST(MeshVoxels, are_the_same_bytes_in_however_many_slabs) {
   for (Vec3f& v : mesh.vertices) {
     mesh.colors.emplace_back(0.5f + 0.5f * std::sin(7 * v.x), 0.5f + 0.5f * v.y, 0.3f);
     v = (1 + 0.2f * std::sin(9 * v.y) * std::sin(8 * v.z)) * v;
+  }
+  // Faces along the axes, in squares of which many voxels are as near to several.
+  constexpr std::uint32_t kSquares = 24;
+  for (const float x : {-0.7f, 0.5f}) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (std::uint32_t i = 0; i < kSquares; ++i) {
+      for (std::uint32_t j = 0; j < kSquares; ++j) {
+        mesh.vertices.emplace_back(x, float(i) / kSquares - 0.5f, float(j) / kSquares - 0.5f);
+        mesh.colors.emplace_back(float(i % 2), float(j % 2), 1);
+        if (i == 0 || j == 0) continue;
+        const std::uint32_t v = first + i * kSquares + j;
+        mesh.triangles.push_back({v, v - 1, v - kSquares});
+        mesh.triangles.push_back({v - 1, v - kSquares, v - kSquares - 1});
+      }
+    }
   }
   const auto spool = spooled(mesh);
   for (const bool solid : {true, false}) {

@@ -46,6 +46,16 @@ struct PathRows {
   HWY_INLINE Vec3v at(Float i) const { return along(first, per_step, i); }
 };
 
+HWY_INLINE Vec3v mix(const Vec3v& a, const Vec3v& b, Float weight) {
+  return {mix(a.x, b.x, weight), mix(a.y, b.y, weight), mix(a.z, b.z, weight)};
+}
+
+/// Of a coarse brick, its share at step i.
+HWY_INLINE Float share_at(const PathRows& coarse, Float i) {
+  const Float asked = hn::MulAdd(i, coarse.eighth, coarse.fourth);
+  return hn::Min(hn::Max(asked, hn::Zero(kFloats)), all(1));
+}
+
 HWY_INLINE Float share_to_face(Float from, Float way) {
   const Float zero = hn::Zero(kFloats), one = all(1);
   const Float low = hn::Floor(from);

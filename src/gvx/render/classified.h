@@ -90,6 +90,7 @@ GVX_HD inline ColorSample sample_color(const brick::BrickView<std::uint8_t, M>& 
   return sample;
 }
 
+/// More than this counts as this: all but opaque, of an extinction that is a number.
 inline constexpr float kMostOpacity = 0.9999f;
 /// An opacity, of 255, that changes by this a voxel is a surface.
 inline constexpr float kSurfaceSlope = 16;

@@ -11,6 +11,7 @@
 // clang-format off
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+#include <hwy/contrib/math/math-inl.h>
 #include "gvx/render/each_step_simd-inl.h"
 // clang-format on
 
@@ -124,11 +125,6 @@ class Colors {
     Float opacity;
     Vec3v color, normal;
   };
-
-  HWY_INLINE static Vec3v mix(const Vec3v& a, const Vec3v& b, Float weight) {
-    return {mix(a.x, b.x, weight), mix(a.y, b.y, weight), mix(a.z, b.z, weight)};
-  }
-  HWY_INLINE static Float mix(Float a, Float b, Float weight) { return HWY_NAMESPACE::mix(a, b, weight); }
 
   HWY_INLINE Texels plane(const Texels& brick, std::size_t index) const {
     Texels texels = brick;

@@ -19,7 +19,6 @@
 #include <cstdint>
 #include <type_traits>
 
-#include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
 #include "gvx/render/composite.h"
@@ -211,7 +210,7 @@ class Rays {
       if (batch_.fine.deviates) deviates = deviation(deviations(batch_.fine), edge_, p);
       if (batch_.blended) {
         const Vec3v q = coarse_.at(i);
-        const Float blend = blend_at(i);
+        const Float blend = share_at(coarse_, i);
         value = mix(value, sample(coarse_texels(), edge_, q), blend);
         deviates = mix(deviates, deviation(deviations(batch_.coarse), edge_, q), blend);
       }
@@ -307,14 +306,10 @@ class Rays {
   HWY_INLINE const std::uint8_t* deviations(const StretchBatch::Path& path) const {
     return reinterpret_cast<const std::uint8_t*>(voxels(path) + plane_texels(batch_.m));
   }
-  HWY_INLINE Float blend_at(Float i) const {
-    return hn::Min(hn::Max(hn::MulAdd(i, coarse_.eighth, coarse_.fourth), hn::Zero(kFloats)), all(1));
-  }
   HWY_INLINE PlainTexels<Voxel> coarse_texels() const { return PlainTexels<Voxel>(batch_.coarse.brick); }
   HWY_INLINE void blend_in(const Vec3v& coarse, Float i, Slope& slope) const {
-    slope.blend = blend_at(i);
-    Vec3v& g = slope.gradient;
-    g = {mix(g.x, coarse.x, slope.blend), mix(g.y, coarse.y, slope.blend), mix(g.z, coarse.z, slope.blend)};
+    slope.blend = share_at(coarse_, i);
+    slope.gradient = mix(slope.gradient, coarse, slope.blend);
   }
 
   HWY_NOINLINE Shade shade_at(Float i, const Slope& slope) const {

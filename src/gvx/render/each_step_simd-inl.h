@@ -11,6 +11,7 @@
 #endif
 
 #include <cstddef>
+#include <cstdint>
 
 #include <hwy/highway.h>
 
@@ -24,16 +25,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
 namespace {
-
-HWY_INLINE Vec3v mix(const Vec3v& a, const Vec3v& b, Float weight) {
-  return {mix(a.x, b.x, weight), mix(a.y, b.y, weight), mix(a.z, b.z, weight)};
-}
-
-/// Of a coarse brick, its share at step i.
-HWY_INLINE Float share_at(const PathRows& coarse, Float i) {
-  const Float asked = hn::MulAdd(i, coarse.eighth, coarse.fourth);
-  return hn::Min(hn::Max(asked, hn::Zero(kFloats)), all(1));
-}
 
 /// A vector of rays, and where their steps are. kWhole as of Shading.
 template <bool kWhole>

@@ -375,7 +375,7 @@ struct Triple {
   Float texel[3];
 };
 HWY_INLINE Triple gather_triple(const std::uint8_t* texels, Int index) {
-  // The fourth byte is the deviations' first at most.
+  // The fourth byte may be the first behind the plane, even behind the brick (BrickPool leaves room there).
   const Int four = hn::GatherOffset(kInts, reinterpret_cast<const std::int32_t*>(texels), index);
   const Int byte = all_ints(0xff);
   return {{hn::ConvertTo(kFloats, hn::And(four, byte)),

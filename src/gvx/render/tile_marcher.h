@@ -13,6 +13,7 @@
 #include "gvx/render/march_view.h"
 #include "gvx/render/stretch_batch.h"
 #include "gvx/render/tile_rays.h"
+#include "gvx/render/vectors.h"
 #include "gvx/render/visible_cells.h"
 
 namespace gvx::render {
@@ -27,26 +28,6 @@ struct Workspace {
 inline Workspace& this_threads_workspace() {
   thread_local Workspace workspace;
   return workspace;
-}
-
-/// Which vectors gather from a batch; none: one ray at a time does.
-enum class Vectors {
-  none,
-  composite,
-  composite_channels,
-  composite_post,
-  composite_classified,
-  project,
-  find_surface
-};
-
-inline Vectors vectors_for(const FrameView& frame) {
-  if (frame.adds_noise) return Vectors::none;
-  if (frame.format.content != VoxelContent::scalar) return Vectors::composite_classified;
-  if (projects(frame)) return Vectors::project;
-  if (frame.visibility.mode == scene::Mode::isosurface) return Vectors::find_surface;
-  if (frame.classification == scene::Classification::post) return Vectors::composite_post;
-  return frame.visibility.channels == 1 ? Vectors::composite : Vectors::composite_channels;
 }
 
 template <typename Voxel, int N, int M>
@@ -386,24 +367,7 @@ class TileMarcher {
     StretchBatch& batch = work_.batch;
     if (vectors_ == Vectors::none) return gather_ray_by_ray(place, wanted, level);
     batch.put_in_order();
-    switch (vectors_) {
-      case Vectors::composite:
-        composite_batch(frame, batch);
-        break;
-      case Vectors::composite_channels:
-        composite_channels_batch(frame, batch);
-        break;
-      case Vectors::composite_post:
-        composite_post_batch(frame, batch);
-        break;
-      case Vectors::composite_classified:
-        composite_classified_batch(frame, batch);
-        break;
-      case Vectors::project:
-        return project_batch(frame, batch);
-      default:
-        find_surface_batch(frame, batch);
-    }
+    gather_batch(vectors_, frame, batch);
     for (std::uint32_t i = 0; i < batch.opaque_count; ++i)
       retire(static_cast<std::uint32_t>(batch.opaque[i]));
   }

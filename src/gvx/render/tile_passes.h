@@ -28,7 +28,7 @@ struct TilePart {
 #if defined(__GNUC__)
     for (std::uint32_t j = 0; j < height; ++j) {
       const auto* row = reinterpret_cast<const char*>(&rays[std::size_t(y0 + j) * picture_width + x0]);
-      for (std::size_t byte = 0; byte < width * sizeof(RayState); byte += 64)
+      for (std::size_t byte = 0; byte < width * sizeof(RayState) + 63; byte += 64)
         __builtin_prefetch(row + byte, 1);
     }
 #endif
@@ -80,7 +80,8 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
     bool all_finished = true;
     // Rays of a tile begin together: of one that is new their states, most of a frame's memory, need not be
     // waited for until they are written.
-    const bool is_new = rays[index_of(part.x0, part.y0)].epoch != pass.epoch;
+    const bool is_new =
+        pass.lone_ray == Pass::kAllRays && rays[index_of(part.x0, part.y0)].epoch != pass.epoch;
     if (is_new) part.prefetch(rays, grid.width);
     part.for_rays([&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
       const RayState& ray = rays[index_of(x, y)];
@@ -100,18 +101,27 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
     resuming.for_each([&](std::uint32_t i) { marcher.resume(i, rays[index_of_ray(i)]); });
     marcher.march(deadline);
     bool finished = marching.count() == part.width * part.height;
+    const auto done = [&](RayState& ray) {
+      ray.epoch = pass.epoch;
+      finished = finished && ray.phase == RayPhase::finished;
+    };
     marching.for_each([&](std::uint32_t i) {
+      if (marcher.is_stub(i)) return;
       RayState& ray = rays[index_of_ray(i)];
-      if (marcher.is_stub(i)) {
+      marcher.put_state(i, ray);
+      done(ray);
+    });
+    // Apart: beside a march a compiler makes the loop above a slow one.
+    if (projects(view.frame)) {
+      marching.for_each([&](std::uint32_t i) {
+        if (!marcher.is_stub(i)) return;
+        RayState& ray = rays[index_of_ray(i)];
         if (ray.epoch != pass.epoch) ray = RayState{};
         const std::uint32_t x = part.x0 + i % TileRays::kEdge, y = part.y0 + i / TileRays::kEdge;
         RayMarcher<Voxel, N, M>(view, x, y).march_exact(ray);
-      } else {
-        marcher.put_state(i, ray);
-      }
-      ray.epoch = pass.epoch;
-      finished = finished && ray.phase == RayPhase::finished;
-    });
+        done(ray);
+      });
+    }
     if (finished) exec::store_relaxed(&unfinished[tiles[t]], 0);
   });
   return turns.all_taken();
