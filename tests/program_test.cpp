@@ -149,8 +149,8 @@ TEST_F(Program, renders_what_is_made) {
   write_pyramid(path("pyramid.ply"));
   const bool embree = gvx("render distance:pyramid.ply -o p.png --size 8x8 --levels 2").status == 0;
   if (embree) {
-    for (const char* kind :
-         {"distance", "axis-distance", "hypertexture", "pseudo-mesh", "ramp", "blurred", "solid-noise"}) {
+    for (const char* kind : {"cloud", "distance", "axis-distance", "hypertexture", "pseudo-mesh", "ramp",
+                             "blurred", "solid-noise"}) {
       scenes.push_back(std::string(kind) + ":pyramid.ply --levels 4");
     }
     scenes.emplace_back("repeat:2:amplify:distance:pyramid.ply --levels 2");

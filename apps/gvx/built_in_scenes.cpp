@@ -52,22 +52,31 @@ produce::TreeDescription density_tree(std::uint32_t m, std::uint32_t max_level) 
 }
 
 /// Example 4 of the 2008 report: bricks of 32, five octaves, 2048^3.
-Scene cloud(const exec::Device& device, GenerateParts& parts) {
+struct CloudScene {
   produce::HypertextureOptions options;
-  options.thickness = 0.1;
-  options.strength = 1.1;
-  options.noise = {.octaves = 6, .wavelength = 0.13, .gain = 0.55, .seed = 5};
-  take_noise(options.noise, parts);
-  take(options.strength, parts.strength);
-  take(options.thickness, parts.thickness);
   produce::TreeDescription tree = density_tree(32, 6);
-  take_levels(tree, parts);
+
+  explicit CloudScene(GenerateParts& parts) {
+    options.thickness = 0.1;
+    options.strength = 1.1;
+    options.noise = {.octaves = 6, .wavelength = 0.13, .gain = 0.55, .seed = 5};
+    take_noise(options.noise, parts);
+    take(options.strength, parts.strength);
+    take(options.thickness, parts.thickness);
+    take_levels(tree, parts);
+  }
+};
+
+/// Of balls.
+Scene cloud(const exec::Device& device, GenerateParts& parts) {
+  const CloudScene cloud(parts);
   if (device.kind() == exec::DeviceKind::cuda) {
-    return {produce::make_balls_producer(device, tree, produce::cumulus_balls(4), options), "cloud"};
+    return {produce::make_balls_producer(device, cloud.tree, produce::cumulus_balls(4), cloud.options),
+            "cloud"};
   }
   auto balls = std::make_shared<produce::BallsField>(produce::cumulus_balls(4));
   return {std::make_shared<produce::FieldProducer>(
-              tree, std::make_shared<produce::HypertextureField>(std::move(balls), options)),
+              cloud.tree, std::make_shared<produce::HypertextureField>(std::move(balls), cloud.options)),
           "cloud"};
 }
 
@@ -108,6 +117,17 @@ Result<MeshScene> open_mesh_for_distances(const std::string& path, double band,
   mesh.tree.scale = 2 * band / 65535;
   mesh.tree.offset = -band;
   return mesh;
+}
+
+/// Of a mesh, as the report has it.
+Result<Scene> cloud_of_mesh(const std::string& path, GenerateParts& parts) {
+  const CloudScene cloud(parts);
+  const double reach = produce::HypertextureField::reach(cloud.options, 1.0 / cloud.tree.m);
+  GVX_ASSIGN(const MeshScene mesh, open_mesh(path, 0.2, cloud.tree));
+  auto distance = std::make_shared<produce::SparseField>(
+      std::make_shared<produce::MeshDistanceField>(mesh.query, reach), cloud.options.thickness);
+  auto density = std::make_shared<produce::HypertextureField>(std::move(distance), cloud.options);
+  return Scene{std::make_shared<produce::FieldProducer>(mesh.tree, std::move(density)), "cloud"};
 }
 
 const char* preset_of(produce::HypertextureKind kind) {
@@ -202,6 +222,7 @@ Result<std::optional<Scene>> open_of_mesh(const std::string& kind, const std::st
     if (!scene.ok()) return scene.error();
     return std::optional(std::move(scene).value());
   };
+  if (kind == "cloud") return some(cloud_of_mesh(path, parts));
   if (kind == "distance") return some(distance(path, false, parts));
   if (kind == "axis-distance") return some(distance(path, true, parts));
   for (std::size_t i = 0; i < produce::kHypertextureNames.size(); ++i) {
@@ -215,7 +236,7 @@ Result<std::optional<Scene>> open_of_mesh(const std::string& kind, const std::st
 }  // namespace
 
 std::size_t file_position(const std::string& scene) {
-  std::vector<std::string> kinds = {"repeat", "amplify", "distance", "axis-distance"};
+  std::vector<std::string> kinds = {"repeat", "amplify", "cloud", "distance", "axis-distance"};
   kinds.insert(kinds.end(), produce::kHypertextureNames.begin(), produce::kHypertextureNames.end());
   std::size_t begin = 0;
   bool counted = false;  // a number may follow

@@ -233,11 +233,11 @@ Command add_render(CLI::App& program) {
   command
       ->add_option(
           "scene", o->scene,
-          "A .gvx store, a volume or mesh file (see gvx build), sponge, stored-sponge, cloud, terrain, "
-          "hypertexture:MESH "
-          "(or "
-          "pseudo-mesh: ramp: blurred: solid-noise:), distance:MESH, axis-distance:MESH, repeat:SCENE, "
-          "amplify:SCENE, or a scene file (.json), whose fields the flags of a scene override")
+          "A .gvx store, a volume or mesh file (see gvx build), sponge, stored-sponge, cloud, cloud:MESH, "
+          "terrain, hypertexture:MESH (or pseudo-mesh: ramp: blurred: solid-noise:), distance:MESH, "
+          "axis-distance:MESH, repeat:SCENE, amplify:SCENE, or a scene file (.json), whose fields the flags "
+          "of "
+          "a scene override")
       ->required();
   command->add_option("-o,--output", o->output, "The picture to write, .png or .exr")->required();
   CLI::Option* exact = command->add_flag("--exact", o->exact, "Until no ray lacks anything (the default)");
