@@ -116,7 +116,7 @@ class Channels {
     samples_ = hn::Sub(samples_, hn::VecFromMask(kInts, hn::RebindMask(kInts, counted)));
   }
 
-  HWY_INLINE Span span_of(const Places& from, const Places& to, Float begin, Float end, Mask mask) const {
+  GVX_PIECE Span span_of(const Places& from, const Places& to, Float begin, Float end, Mask mask) const {
     Span span;
     span.begin = begin;
     span.end = end;
@@ -131,7 +131,7 @@ class Channels {
     return span;
   }
 
-  HWY_INLINE void see_step(float step, const Places& front, const Places& back, Mask active) {
+  GVX_PIECE void see_step(float step, const Places& front, const Places& back, Mask active) {
     const Float centre = all(step), begin = all(step - 0.5f), units = all(batch_.units);
     const Span whole = span_of(front, back, begin, all(step + 0.5f), active);
     const Mask visible = hn::And(active, hn::Gt(whole.extinction, hn::Zero(kFloats)));
@@ -210,8 +210,8 @@ class Channels {
     add_lit(lit_at, slopes, seen);
   }
 
-  HWY_INLINE void see_part(const Matter (&matter)[kMaxChannels], Float units, Float i, Mask mask,
-                           SeenOf& seen) {
+  GVX_PIECE void see_part(const Matter (&matter)[kMaxChannels], Float units, Float i, Mask mask,
+                          SeenOf& seen) {
     const Float zero = hn::Zero(kFloats);
     Float extinction = zero;
     for (std::uint32_t c = 0; c < channels_; ++c) extinction = hn::Add(extinction, matter[c].part[3]);
@@ -230,7 +230,7 @@ class Channels {
     opacity_ = hn::Add(opacity_, weight);
   }
 
-  HWY_INLINE void find_slopes(Float i, Slopes& slopes) const {
+  GVX_PIECE void find_slopes(Float i, Slopes& slopes) const {
     slopes.blend = blend_at(i);
     const Vec3v p = rays_.fine.at(i), q = rays_.coarse.at(i);
     for (std::uint32_t c = 0; c < channels_; ++c) {
@@ -247,7 +247,7 @@ class Channels {
                 hn::Add(color_.z, seen.color[c].z)};
     }
   }
-  HWY_INLINE void add_lit(Float i, const Slopes& slopes, const SeenOf& seen) {
+  GVX_PIECE void add_lit(Float i, const Slopes& slopes, const SeenOf& seen) {
     for (std::uint32_t c = 0; c < channels_; ++c) {
       // Where nothing is seen shades may be anything.
       const Mask some = hn::Gt(seen.weight[c], hn::Zero(kFloats));

@@ -37,7 +37,7 @@ class Labels {
         edge_(static_cast<int>(batch.m)),
         units_(batch.units) {}
 
-  HWY_INLINE void show(Float i, const StepRays<kWhole>& rays, Mask active, Shown& shown) const {
+  GVX_PIECE void show(Float i, const StepRays<kWhole>& rays, Mask active, Shown& shown) const {
     const Vec3v p = rays.fine.at(i);
     const Int texel = TexelPlace::index_of(texel_at(p.x), texel_at(p.y), texel_at(p.z), edge_);
     const Float label = gather_pair(texels_.texels, texel).low;
@@ -62,7 +62,7 @@ class Labels {
   }
 
   /// How much each label's own region changes: the gradient of what is 1 in it and 0 elsewhere.
-  HWY_INLINE Vec3v region_gradient(const Vec3v& p, Float label) const {
+  GVX_PIECE Vec3v region_gradient(const Vec3v& p, Float label) const {
     Around around;
     around.read(texels_, edge_, p);
     for (Triple& row : around.rows) {
@@ -91,7 +91,7 @@ class Colors {
         voxels_per_step_(frame.voxels_per_step),
         thickness_(batch.coarse.voxels_across / batch.fine.voxels_across) {}
 
-  HWY_INLINE void show(Float i, const StepRays<kWhole>& rays, Mask active, Shown& shown) const {
+  GVX_PIECE void show(Float i, const StepRays<kWhole>& rays, Mask active, Shown& shown) const {
     const Vec3v p = rays.fine.at(i);
     Sample mixed = sample(fine_, p, active);
     Float extinction = extinction_of(mixed.opacity);
@@ -132,7 +132,7 @@ class Colors {
     return texels;
   }
 
-  HWY_INLINE Sample sample(const Texels& brick, const Vec3v& p, Mask active) const {
+  GVX_PIECE Sample sample(const Texels& brick, const Vec3v& p, Mask active) const {
     const TexelPlace place(p, edge_);
     const int row = edge_ + 2;
     const auto of_plane = [&](std::size_t index) HWY_ATTR {

@@ -184,7 +184,7 @@ class Classified {
   HWY_INLINE Classified(const FrameView& frame, const StretchBatch& batch)
       : visibility_(frame.visibility), batch_(batch), edge_(static_cast<int>(batch.m)) {}
 
-  HWY_INLINE void show(Float i, const StepRays<kWhole>& rays, Mask active, Shown& shown) const {
+  GVX_PIECE void show(Float i, const StepRays<kWhole>& rays, Mask active, Shown& shown) const {
     const Float zero = hn::Zero(kFloats);
     const Float blend = batch_.blended ? share_at(rays.coarse, i) : zero;
     Float extinction = zero;
@@ -220,8 +220,8 @@ class Classified {
   }
 
  private:
-  HWY_INLINE CellSample sample_of(std::uint32_t channel, Float i, const StepRays<kWhole>& rays, Float blend,
-                                  bool with_gradient) const {
+  GVX_PIECE CellSample sample_of(std::uint32_t channel, Float i, const StepRays<kWhole>& rays, Float blend,
+                                 bool with_gradient) const {
     const std::size_t plane = channel * plane_texels(batch_.m) * sizeof(Voxel);
     const Vec3v p[1] = {rays.fine.at(i)};
     const Float zero = hn::Zero(kFloats);
