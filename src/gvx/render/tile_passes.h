@@ -28,8 +28,11 @@ struct TilePart {
 #if defined(__GNUC__)
     for (std::uint32_t j = 0; j < height; ++j) {
       const auto* row = reinterpret_cast<const char*>(&rays[std::size_t(y0 + j) * picture_width + x0]);
-      for (std::size_t byte = 0; byte < width * sizeof(RayState) + 63; byte += 64)
-        __builtin_prefetch(row + byte, 1);
+      const std::size_t bytes = width * sizeof(RayState);
+      // A row may begin in the middle of what is fetched at once.
+      for (std::size_t byte = 0; byte < bytes + 63; byte += 64) {
+        __builtin_prefetch(row + std::min(byte, bytes - 1), 1);
+      }
     }
 #endif
   }
