@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """How fast is gvx's CPU renderer beside VTK's and a NanoVDB ray caster, on the same work?
 
-    bench/peers/run [--frames N] [--threads N] [--only TEXT]
+    bench/peers/run [--frames N] [--threads N] [--only TEXT] [--narrow]
 
 A column is a volume, a function, and shading off or on. In each, after a frame to warm up, the systems
 render by turns, so that all see the same machine. Prints medians and ratios, writes them to
@@ -98,13 +98,14 @@ class System:
         self.process.wait()
 
 
-def start(volume, threads):
+def start(volume, threads, narrow):
     """The systems that were built, with this volume in each."""
     raw = volumes.make(volume, folder, root, build / "bench/gvx_make_foam")
     store = folder / f"{volume}.gvx"
     subprocess.run([build / "apps/gvx/gvx", "build", raw.with_suffix(".nhdr"), "-o", store, "--force"],
                    stdout=subprocess.DEVNULL, check=True)
-    systems = [System("gvx", [build / "bench/peers/gvx_peers_gvx", store, threads]),
+    gvx = [build / "bench/peers/gvx_peers_gvx", store, threads]
+    systems = [System("gvx", gvx + ["narrow"] * narrow),
                System("vtk", ["/usr/bin/python3", here / "vtk_frames.py", raw, volumes.SIZE, threads])]
     nanovdb = build / "bench/peers/gvx_peers_nanovdb"
     if nanovdb.exists():
@@ -191,6 +192,7 @@ def main():
     parser.add_argument("--frames", type=int, default=5, help="measured in each column")
     parser.add_argument("--threads", type=int, default=2, help="of each system")
     parser.add_argument("--only", default="", help="columns with this in their name, as head or unlit")
+    parser.add_argument("--narrow", action="store_true", help="gvx without vectors of AVX-512")
     options = parser.parse_args()
     if options.frames < 1 or options.threads < 1:
         parser.error("--frames and --threads must be 1 or more")
@@ -202,7 +204,7 @@ def main():
         parser.error(f"--only {options.only}: no column has that in its name")
     rows = []
     for volume in dict.fromkeys(c[0] for c in columns):
-        systems = start(volume, options.threads)
+        systems = start(volume, options.threads, options.narrow)
         for column in (c for c in columns if c[0] == volume):
             rows.append(measure(column, systems, options.frames))
             print(rows[-1], file=sys.stderr, flush=True)
@@ -213,6 +215,7 @@ def main():
     lines = table(rows, means)
     print("\n".join(lines))
     result = {"size": volumes.SIZE, "pixels": PIXELS, "threads": options.threads, "frames": options.frames,
+              "narrow": options.narrow,
               "columns": rows, "geometric_mean": means}
     (root / "out/bench/peers.md").write_text("\n".join(lines) + "\n")
     (root / "out/bench/peers.json").write_text(json.dumps(result, indent=1) + "\n")

@@ -1,7 +1,8 @@
 // gvx's frames for bench/peers: the finest level, one sample a voxel, everything resident.
 //
-//     gvx_peers_gvx STORE.gvx THREADS
+//     gvx_peers_gvx STORE.gvx THREADS [narrow]
 //
+// narrow: without vectors of AVX-512.
 // Samples are classified as the peers classify theirs; GVX_PEERS_CLASSIFICATION=preintegrated shows gvx's own
 // way.
 
@@ -10,6 +11,8 @@
 #include <cstdlib>
 #include <memory>
 #include <string>
+
+#include <hwy/targets.h>
 
 #include "frames.h"
 #include "gvx/engine/engine.h"
@@ -84,10 +87,12 @@ class GvxSystem : public bench::PeerSystem {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::fprintf(stderr, "usage: gvx_peers_gvx STORE.gvx THREADS\n");
+  const bool narrow = argc == 4 && std::string(argv[3]) == "narrow";
+  if (argc != 3 && !narrow) {
+    std::fprintf(stderr, "usage: gvx_peers_gvx STORE.gvx THREADS [narrow]\n");
     return 2;
   }
+  if (narrow) hwy::DisableTargets(HWY_AVX3 | HWY_AVX3_DL);
   auto system = GvxSystem::open(argv[1], std::atoi(argv[2]));
   if (!system.ok()) {
     std::fprintf(stderr, "%s\n", system.error().message.c_str());

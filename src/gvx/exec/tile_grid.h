@@ -23,7 +23,7 @@ inline bool late(Deadline deadline) {
 
 /// An image and the square tiles that it is worked on in; tiles at the right and lower edge may be cut.
 struct TileGrid {
-  static constexpr std::uint32_t kTile = 32;
+  static constexpr std::uint32_t kTile = 64;
 
   std::uint32_t width = 0, height = 0;
   std::uint32_t tile = kTile;

@@ -43,13 +43,14 @@ class Post {
     const std::byte* table = reinterpret_cast<const std::byte*>(
         frame_.step_colors + std::size_t(batch_.level) * scene::TransferView::kEntries);
     PathRows path[kVectors];
-    Float end[kVectors], opacity[kVectors], most = hn::Zero(kFloats);
+    Float end[kVectors], last_step[kVectors], opacity[kVectors], most = hn::Zero(kFloats);
     Int samples[kVectors];
     Vec3v color[kVectors], to_eye[kVectors];
     typename Lights::FarHalves halves[kVectors];
     for (int k = 0; k < kVectors; ++k) {
-      path[k] = lanes_[k].fine(batch_);
+      path[k] = in_texels(lanes_[k].fine(batch_));
       end[k] = lanes_[k].steps(path[k]);
+      last_step[k] = hn::Max(hn::Sub(end[k], one), hn::Zero(kFloats));
       most = hn::Max(most, end[k]);
       samples[k] = hn::Zero(kInts);
       lanes_[k].load(batch_, color[k], opacity[k]);
@@ -62,24 +63,25 @@ class Post {
       Mask active[kVectors];
       for (int k = 0; k < kVectors; ++k) active[k] = hn::And(hn::Lt(i, end[k]), hn::Lt(opacity[k], opaque));
       if (none_of(active)) break;
-      Vec3v p[kVectors];
-      for (int k = 0; k < kVectors; ++k) p[k] = path[k].at(i);
+      // Of rays that have ended the last, which is in the brick.
+      Vec3v texel[kVectors];
+      for (int k = 0; k < kVectors; ++k) texel[k] = path[k].at(hn::Min(i, last_step[k]));
       if (!all_cells) {
         for (int k = 0; k < kVectors; ++k) {
-          active[k] = hn::And(active[k], in_visible_cell(batch_.cells, edge_, p[k]));
+          active[k] = hn::And(active[k], in_visible_cell_inside(batch_.cells, edge_, texel[k]));
         }
         if (none_of(active)) continue;
       }
       CellSample sample[kVectors];
       Float blend[kVectors];
-      cell_samples(fine_, edge_, p, lit, sample);
-      if constexpr (!kPlain) blend_in_coarse(i, lit, blend, sample);
+      sample_at(fine_, texel, lit, sample);
+      if constexpr (!kPlain) blend_in_coarse(i, last_step, lit, blend, sample);
       Float entry[kVectors];
       Mask seen[kVectors];
       for (int k = 0; k < kVectors; ++k) {
         samples[k] = hn::Sub(samples[k], hn::VecFromMask(kInts, hn::RebindMask(kInts, active[k])));
         entry[k] = function_.entry_of(sample[k].value);
-        seen[k] = hn::AndNot(function_.invisible(entry[k], entry[k]), active[k]);
+        seen[k] = hn::And(active[k], function_.visible(entry[k]));
       }
       if (none_of(seen)) continue;
       Int bits[kVectors][4];
@@ -115,16 +117,29 @@ class Post {
   }
 
  private:
-  HWY_INLINE void blend_in_coarse(Float i, bool lit, Float (&blend)[kVectors],
-                                  CellSample (&sample)[kVectors]) const {
-    Vec3v p[kVectors];
+  /// From the centre of the brick's first texel.
+  HWY_INLINE static PathRows in_texels(PathRows path) {
+    const Float half = all(0.5f);
+    path.first = {hn::Add(path.first.x, half), hn::Add(path.first.y, half), hn::Add(path.first.z, half)};
+    return path;
+  }
+
+  HWY_INLINE void sample_at(const Texels& texels, const Vec3v (&texel)[kVectors], bool lit,
+                            CellSample (&sample)[kVectors]) const {
+    cell_samples_at(
+        texels, edge_, [&](int k) HWY_ATTR { return TexelPlace::inside(texel[k], edge_); }, lit, sample);
+  }
+
+  HWY_INLINE void blend_in_coarse(Float i, const Float (&last_step)[kVectors], bool lit,
+                                  Float (&blend)[kVectors], CellSample (&sample)[kVectors]) const {
+    Vec3v texel[kVectors];
     for (int k = 0; k < kVectors; ++k) {
-      const PathRows path = lanes_[k].coarse(batch_);
+      const PathRows path = in_texels(lanes_[k].coarse(batch_));
       blend[k] = share_at(path, i);
-      p[k] = path.at(i);
+      texel[k] = path.at(hn::Min(i, last_step[k]));
     }
     CellSample coarse[kVectors];
-    cell_samples(coarse_, edge_, p, lit, coarse);
+    sample_at(coarse_, texel, lit, coarse);
     for (int k = 0; k < kVectors; ++k) {
       sample[k].value = mix(sample[k].value, coarse[k].value, blend[k]);
       if (!lit) continue;
@@ -155,6 +170,14 @@ void post_all(const FrameView& frame, StretchBatch& batch, const Texels& fine, c
   batch.opaque_count = 0;
   const Shading<Texels::kWhole> lights(frame);
   std::size_t lane = 0;
+  // Twice as many where vectors are short and what is kept of each is little.
+  if constexpr (kLanes <= 8 && kPlain) {
+    for (; !lights.lit() && lane + 3 * kLanes < batch.count; lane += 4 * kLanes) {
+      const BatchLanes lanes[4] = {
+          {batch, lane}, {batch, lane + kLanes}, {batch, lane + 2 * kLanes}, {batch, lane + 3 * kLanes}};
+      Post<Texels, kPlain, 4>(frame, lights, batch, lanes, fine, coarse).run();
+    }
+  }
   for (; lane + kLanes < batch.count; lane += 2 * kLanes) {
     const BatchLanes lanes[2] = {{batch, lane}, {batch, lane + kLanes}};
     Post<Texels, kPlain, 2>(frame, lights, batch, lanes, fine, coarse).run();

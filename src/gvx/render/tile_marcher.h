@@ -89,7 +89,7 @@ class TileMarcher {
   /// No other rays than these take part.
   void leave_out_all_but(const ActiveRays& rays) {
     for (std::uint32_t y = 0; y < TileRays::kEdge; ++y) {
-      for (std::uint32_t out = active_.row[y] & ~rays.row[y]; out != 0; out &= out - 1) {
+      for (std::uint64_t out = active_.row[y] & ~rays.row[y]; out != 0; out &= out - 1) {
         work_.rays.exit[y * TileRays::kEdge + static_cast<std::uint32_t>(std::countr_zero(out))] = -1;
       }
       active_.row[y] &= rays.row[y];
@@ -479,7 +479,15 @@ class TileMarcher {
     const bool of_cells = vectors_ == Vectors::composite || (post && frame.step_colors != nullptr);
     const bool alone = of_cells && !place.blended && (post || !batch.fine.deviates);
     batch.cells = alone ? cells_of(place.slot) : ~std::uint64_t(0);
+    if (batch.cells != 0 && vectors_ == Vectors::composite_post) prefetch(batch.fine.brick);
     return batch.cells != 0;
+  }
+  /// Has the processor fetch a brick, while its rays are gathered.
+  static void prefetch([[maybe_unused]] const std::byte* brick) {
+#if defined(__GNUC__)
+    constexpr std::size_t kBytes = std::min<std::size_t>(plane_texels(M) * sizeof(Voxel), 16384);
+    for (std::size_t byte = 0; byte < kBytes; byte += 64) __builtin_prefetch(brick + byte);
+#endif
   }
 
   /// The rays of the list stop before what they were to go through.

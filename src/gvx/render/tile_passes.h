@@ -85,16 +85,21 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
     // waited for until they are written.
     const bool is_new =
         pass.lone_ray == Pass::kAllRays && rays[index_of(part.x0, part.y0)].epoch != pass.epoch;
-    if (is_new) part.prefetch(rays, grid.width);
-    part.for_rays([&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
-      const RayState& ray = rays[index_of(x, y)];
-      const bool begun = !is_new && ray.epoch == pass.epoch;
-      if (begun && ray.phase == RayPhase::finished) return;
+    if (is_new) {
+      part.prefetch(rays, grid.width);
+      marching = ActiveRays::all_of(part.width, part.height);
       all_finished = false;
-      if (pass.lone_ray != Pass::kAllRays && pass.lone_ray != index_of(x, y)) return;
-      marching.set(i);
-      if (begun) resuming.set(i);
-    });
+    } else {
+      part.for_rays([&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
+        const RayState& ray = rays[index_of(x, y)];
+        const bool begun = ray.epoch == pass.epoch;
+        if (begun && ray.phase == RayPhase::finished) return;
+        all_finished = false;
+        if (pass.lone_ray != Pass::kAllRays && pass.lone_ray != index_of(x, y)) return;
+        marching.set(i);
+        if (begun) resuming.set(i);
+      });
+    }
     // A tile that is finished must cost next to nothing, or short frames end in it.
     if (all_finished) return;
     exec::store_relaxed(&unfinished[tiles[t]], 1);

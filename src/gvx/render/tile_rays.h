@@ -58,33 +58,39 @@ struct TileRect {
 
 /// Which rays of a tile there are to march.
 struct ActiveRays {
-  std::uint32_t row[TileRays::kEdge] = {};  ///< a bit for each x
+  std::uint64_t row[TileRays::kEdge] = {};  ///< a bit for each x
 
+  /// The rays (x, y) with x < width and y < height.
+  static ActiveRays all_of(std::uint32_t width, std::uint32_t height) {
+    ActiveRays rays;
+    for (std::uint32_t y = 0; y < height; ++y) rays.row[y] = ~std::uint64_t{0} >> (TileRays::kEdge - width);
+    return rays;
+  }
   void set(std::uint32_t ray) { row[ray / TileRays::kEdge] |= bit(ray); }
   bool has(std::uint32_t ray) const { return (row[ray / TileRays::kEdge] & bit(ray)) != 0; }
   void clear(std::uint32_t ray) { row[ray / TileRays::kEdge] &= ~bit(ray); }
   std::uint32_t count() const {
     int count = 0;
-    for (const std::uint32_t bits : row) count += std::popcount(bits);
+    for (const std::uint64_t bits : row) count += std::popcount(bits);
     return static_cast<std::uint32_t>(count);
   }
   /// Calls function(ray) for each.
   template <typename Function>
   void for_each(Function function) const {
     for (std::uint32_t y = 0; y < TileRays::kEdge; ++y) {
-      for (std::uint32_t bits = row[y]; bits != 0; bits &= bits - 1) {
+      for (std::uint64_t bits = row[y]; bits != 0; bits &= bits - 1) {
         function(y * TileRays::kEdge + static_cast<std::uint32_t>(std::countr_zero(bits)));
       }
     }
   }
   bool any_in(const TileRect& rect) const {
-    std::uint32_t any = 0;
+    std::uint64_t any = 0;
     for (int y = rect.y0; y <= rect.y1; ++y) any |= row[y];
-    return (any >> rect.x0 & ((2u << (rect.x1 - rect.x0)) - 1)) != 0;
+    return (any >> rect.x0 & ((std::uint64_t{2} << (rect.x1 - rect.x0)) - 1)) != 0;
   }
 
  private:
-  static std::uint32_t bit(std::uint32_t ray) { return 1u << ray % TileRays::kEdge; }
+  static std::uint64_t bit(std::uint32_t ray) { return std::uint64_t{1} << ray % TileRays::kEdge; }
 };
 
 /// A node in tree space, from the eye.

@@ -159,9 +159,9 @@ ActiveRays set_up_all(const FrameView& frame, double x0, double y0, double apart
       outside = hn::Or(outside, hn::Not(hn::Lt(enter, exit)));
       hn::Store(hn::IfThenElse(outside, all(1), enter), kDoubles, rays.enter + ray);
       hn::Store(hn::IfThenElseZero(hn::Not(outside), exit), kDoubles, rays.exit + ray);
-      meeting.row[row] |= bits_of(hn::Not(outside)) << column;
+      meeting.row[row] |= std::uint64_t{bits_of(hn::Not(outside))} << column;
     }
-    if (edge < TileRays::kEdge) meeting.row[row] &= (1u << edge) - 1;
+    if (edge < TileRays::kEdge) meeting.row[row] &= (std::uint64_t{1} << edge) - 1;
   }
   return meeting;
 }

@@ -118,9 +118,7 @@ class Function {
 
   HWY_INLINE bool by_gradient() const { return view_.gradient_factor != nullptr; }
 
-  HWY_INLINE Int nearest(Float entry) const {
-    return whole(hn::Floor(held_in_table(hn::Add(entry, all(0.5f)))));
-  }
+  HWY_INLINE Int nearest(Float entry) const { return truncated(held_in_table(hn::Add(entry, all(0.5f)))); }
 
   HWY_INLINE Float factor_of_gradient(Float steepness) const {
     constexpr auto kLast = static_cast<float>(scene::TransferView::kGradientEntries - 1);
@@ -132,6 +130,9 @@ class Function {
   }
 
   HWY_INLINE Mask above_first(Float entry) const { return hn::Gt(entry, all(view_.first_visible)); }
+  HWY_INLINE Mask visible(Float entry) const {
+    return hn::And(above_first(entry), hn::Lt(entry, all(view_.last_visible)));
+  }
   HWY_INLINE Mask invisible(Float a, Float b) const {
     return hn::Or(hn::Le(hn::Max(a, b), all(view_.first_visible)),
                   hn::Ge(hn::Min(a, b), all(view_.last_visible)));
