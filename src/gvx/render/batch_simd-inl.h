@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include <hwy/highway.h>
 
@@ -80,10 +81,17 @@ class BatchLanes {
  public:
   HWY_INLINE BatchLanes(const StretchBatch& batch, const std::int32_t* rows, std::size_t count)
       : valid_(std::min(kLanes, count)) {
+    if (count >= kLanes) {
+      hn::Store(hn::ShiftLeft<5>(hn::LoadU(kInts, rows)), kInts, row_);
+    } else {
+      const std::size_t last = count > 0 ? count - 1 : 0;
+      for (std::size_t i = 0; i < kLanes; ++i) row_[i] = rows[std::min(i, last)] * kRowBytes;
+    }
+    const auto* numbers = reinterpret_cast<const std::byte*>(batch.fine.row[0] + 7);
     for (std::size_t i = 0; i < kLanes; ++i) {
-      const std::int32_t row = rows[std::min(i, std::max<std::size_t>(count, 1) - 1)];
-      row_[i] = row * static_cast<std::int32_t>(sizeof(float[8]));
-      ray_[i] = static_cast<std::int32_t>(batch.ray(static_cast<std::uint32_t>(row)) * sizeof(float[4]));
+      std::int32_t ray;
+      std::memcpy(&ray, numbers + row_[i], sizeof(ray));
+      ray_[i] = ray * static_cast<std::int32_t>(sizeof(float[4]));
     }
   }
   /// From place `lane` of the batch's order on.
@@ -152,6 +160,8 @@ class BatchLanes {
 
  private:
   static constexpr std::size_t kLanes = hn::MaxLanes(kFloats);
+  static constexpr std::int32_t kRowBytes = sizeof(float[8]);
+  static_assert(kRowBytes == 1 << 5);
 
   std::size_t valid_;
   alignas(64) std::int32_t row_[kLanes], ray_[kLanes];  // offsets in bytes
