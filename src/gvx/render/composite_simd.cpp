@@ -297,7 +297,7 @@ void composite_with(const FrameView& frame, StretchBatch& batch, const Texels& t
   for (bool begun = false; stepping > 0; begun = true) {
     batch.waiting_count = 0;
     std::size_t lane = 0;
-    if constexpr (kPlain) {
+    if constexpr (kPlain && GVX_VECTORS_SIDE_BY_SIDE >= 2) {
       for (; lane + kLanes < stepping; lane += 2 * kLanes) {
         RaysOf rays[2] = {rays_at(batch.order + lane, kLanes),
                           rays_at(batch.order + lane + kLanes, stepping - lane - kLanes)};

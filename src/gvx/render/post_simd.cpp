@@ -171,18 +171,20 @@ void post_all(const FrameView& frame, StretchBatch& batch, const Texels& fine, c
   const Shading<Texels::kWhole> lights(frame);
   std::size_t lane = 0;
   // Twice as many where vectors are short and what is kept of each is little.
-  if constexpr (kLanes <= 8 && kPlain) {
+  if constexpr (kLanes <= 8 && kPlain && GVX_VECTORS_SIDE_BY_SIDE >= 4) {
     for (; !lights.lit() && lane + 3 * kLanes < batch.count; lane += 4 * kLanes) {
       const BatchLanes lanes[4] = {
           {batch, lane}, {batch, lane + kLanes}, {batch, lane + 2 * kLanes}, {batch, lane + 3 * kLanes}};
       Post<Texels, kPlain, 4>(frame, lights, batch, lanes, fine, coarse).run();
     }
   }
-  for (; lane + kLanes < batch.count; lane += 2 * kLanes) {
-    const BatchLanes lanes[2] = {{batch, lane}, {batch, lane + kLanes}};
-    Post<Texels, kPlain, 2>(frame, lights, batch, lanes, fine, coarse).run();
+  if constexpr (GVX_VECTORS_SIDE_BY_SIDE >= 2) {
+    for (; lane + kLanes < batch.count; lane += 2 * kLanes) {
+      const BatchLanes lanes[2] = {{batch, lane}, {batch, lane + kLanes}};
+      Post<Texels, kPlain, 2>(frame, lights, batch, lanes, fine, coarse).run();
+    }
   }
-  if (lane < batch.count) {
+  for (; lane < batch.count; lane += kLanes) {
     const BatchLanes lanes[1] = {{batch, lane}};
     Post<Texels, kPlain, 1>(frame, lights, batch, lanes, fine, coarse).run();
   }

@@ -10,7 +10,10 @@
 // A compiler that instruments takes minutes for each instruction set, and far more for all in one piece.
 #define HWY_DISABLED_TARGETS (GVX_UNUSED_TARGETS | HWY_SSE4 | HWY_AVX3)
 #define GVX_PIECE HWY_NOINLINE
+#define GVX_VECTORS_SIDE_BY_SIDE 1
 #else
 #define HWY_DISABLED_TARGETS GVX_UNUSED_TARGETS
 #define GVX_PIECE HWY_INLINE
+// What one vector waits for, the others fill.
+#define GVX_VECTORS_SIDE_BY_SIDE 4
 #endif
