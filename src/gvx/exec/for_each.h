@@ -27,11 +27,16 @@ __global__ void count_kernel(std::size_t count, Functor functor) {
   if (i < count) functor(i);
 }
 
+/// So many of a tile's pixels are a thread block's: more blocks than tiles keep a GPU busy.
+constexpr std::uint32_t kBlockPixels = 1024;
+
 template <typename Functor>
 __global__ void tile_kernel(TileGrid grid, const std::uint32_t* tiles, Functor functor) {
   const std::uint32_t tile_x = tiles[blockIdx.x] % grid.tiles_x(),
                       tile_y = tiles[blockIdx.x] / grid.tiles_x();
-  for (std::uint32_t i = threadIdx.x; i < grid.tile * grid.tile; i += blockDim.x) {
+  const std::uint32_t first = blockIdx.y * kBlockPixels, pixels = grid.tile * grid.tile;
+  const std::uint32_t end = first + kBlockPixels < pixels ? first + kBlockPixels : pixels;
+  for (std::uint32_t i = first + threadIdx.x; i < end; i += blockDim.x) {
     const std::uint32_t x = tile_x * grid.tile + i % grid.tile, y = tile_y * grid.tile + i / grid.tile;
     if (x < grid.width && y < grid.height) functor(x, y);
   }
@@ -59,19 +64,24 @@ void for_each(const Device& device, [[maybe_unused]] const char* name, std::size
   });
 }
 
-/// Calls functor(x, y) for every pixel of the listed tiles, a tile at a time (on CUDA a thread block a tile),
-/// and waits. Rows of tiles that have not begun at the deadline are left out; returns whether all were done.
+/// Calls functor(x, y) for every pixel of the listed tiles, a tile at a time (on CUDA a thread block for each
+/// part of a tile), and waits. Rows of tiles that have not begun at the deadline are left out; returns
+/// whether all were done.
 template <typename Functor>
 bool for_each_pixel(const Device& device, [[maybe_unused]] const char* name, TileGrid grid,
                     BufferView<const std::uint32_t> tiles, Deadline deadline, Functor functor) {
 #if defined(__CUDACC__)
   if (device.kind() == DeviceKind::cuda) {
     // A band of tiles is the unit that a deadline can stop between; without one all are launched at once.
-    const std::size_t band = deadline == no_deadline() ? tiles.size : 512;
+    constexpr std::size_t kBandPixels = 512 * detail::kBlockPixels;
+    const std::size_t pixels = std::size_t(grid.tile) * grid.tile;
+    const std::size_t band = deadline == no_deadline() ? tiles.size : (kBandPixels + pixels - 1) / pixels;
+    const auto parts = static_cast<unsigned>((pixels + detail::kBlockPixels - 1) / detail::kBlockPixels);
     for (std::size_t first = 0; first < tiles.size; first += band) {
       if (late(deadline)) return false;
       const std::size_t count = band < tiles.size - first ? band : tiles.size - first;
-      detail::tile_kernel<<<static_cast<unsigned>(count), 256>>>(grid, tiles.data + first, functor);
+      const dim3 blocks(static_cast<unsigned>(count), parts);
+      detail::tile_kernel<<<blocks, 256>>>(grid, tiles.data + first, functor);
       cuda_support::synchronize(name);
     }
     return true;
