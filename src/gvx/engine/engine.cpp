@@ -111,7 +111,10 @@ Status Engine::look(const render::View& view) {
     try {
       render::Film film(device_, view.width * view.antialias, view.height * view.antialias);
       const std::uint32_t tiles = film.grid().tiles();
-      exec::Buffer<std::uint32_t> list(device_, std::max(tiles, kPreviewChunk)), flags(device_, tiles);
+      // Pictures that look ahead have no more tiles than this has of 32 x 32.
+      const std::uint32_t ahead = exec::TileGrid{film.grid().width, film.grid().height, 32}.tiles();
+      exec::Buffer<std::uint32_t> list(device_, std::max({tiles, kPreviewChunk, ahead}));
+      exec::Buffer<std::uint32_t> flags(device_, tiles);
       film_ = std::move(film);
       pace_ = {};
       tile_list_ = std::move(list);
