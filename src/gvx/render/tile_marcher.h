@@ -485,7 +485,8 @@ class TileMarcher {
   /// Has the processor fetch a brick, while its rays are gathered.
   static void prefetch([[maybe_unused]] const std::byte* brick) {
 #if defined(__GNUC__)
-    constexpr std::size_t kBytes = std::min<std::size_t>(plane_texels(M) * sizeof(Voxel), 16384);
+    // No more than half of what the nearest cache holds.
+    constexpr std::size_t kMost = 16384, kBytes = std::min(plane_texels(M) * sizeof(Voxel), kMost);
     for (std::size_t byte = 0; byte < kBytes; byte += 64) __builtin_prefetch(brick + byte);
 #endif
   }
