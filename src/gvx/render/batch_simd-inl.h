@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 
 #include <hwy/highway.h>
 
@@ -85,13 +84,12 @@ class BatchLanes {
       hn::Store(hn::ShiftLeft<5>(hn::LoadU(kInts, rows)), kInts, row_);
     } else {
       const std::size_t last = count > 0 ? count - 1 : 0;
-      for (std::size_t i = 0; i < kLanes; ++i) row_[i] = rows[std::min(i, last)] * kRowBytes;
+      for (std::size_t i = 0; i < kLanes; ++i)
+        row_[i] = rows[std::min(i, last)] * static_cast<std::int32_t>(kRowBytes);
     }
-    const auto* numbers = reinterpret_cast<const std::byte*>(batch.fine.row[0] + 7);
     for (std::size_t i = 0; i < kLanes; ++i) {
-      std::int32_t ray;
-      std::memcpy(&ray, numbers + row_[i], sizeof(ray));
-      ray_[i] = ray * static_cast<std::int32_t>(sizeof(float[4]));
+      const auto row = static_cast<std::uint32_t>(row_[i]) / kRowBytes;
+      ray_[i] = static_cast<std::int32_t>(batch.ray(row) * sizeof(float[4]));
     }
   }
   /// From place `lane` of the batch's order on.
@@ -160,7 +158,7 @@ class BatchLanes {
 
  private:
   static constexpr std::size_t kLanes = hn::MaxLanes(kFloats);
-  static constexpr std::int32_t kRowBytes = sizeof(float[8]);
+  static constexpr std::uint32_t kRowBytes = sizeof(float[8]);
   static_assert(kRowBytes == 1 << 5);
 
   std::size_t valid_;

@@ -18,7 +18,7 @@
 
 namespace gvx::render {
 
-/// What a tile's march works in, for whichever tree; some hundred KB, so each thread keeps its own.
+/// What a tile's march works in, for whichever tree; 1.7 MB, so each thread keeps its own.
 struct Workspace {
   TileRays rays;
   StretchBatch batch;
