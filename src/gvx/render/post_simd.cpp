@@ -21,7 +21,7 @@ namespace gvx::render::HWY_NAMESPACE {
 namespace {
 
 /// The rays of so many vectors, and what they go through. kPlain: one brick; else two that are blended.
-template <typename Texels, bool kPlain, int kVectors>
+template <typename Texels, bool kPlain, bool kLit, int kVectors>
 class Post {
  public:
   using Lights = Shading<Texels::kWhole>;
@@ -38,8 +38,10 @@ class Post {
         coarse_(coarse) {}
 
   HWY_INLINE void run() {
-    const bool lit = lights_.lit(), all_cells = batch_.cells == ~std::uint64_t(0);
+    const bool all_cells = batch_.cells == ~std::uint64_t(0);
     const Float opaque = all(kOpaque), one = all(1);
+    const VisibleCells visible(batch_.cells, edge_);
+    const SamplesInside<Texels, kLit> fine(fine_, edge_), coarse(coarse_, edge_);
     const std::byte* table = reinterpret_cast<const std::byte*>(
         frame_.step_colors + std::size_t(batch_.level) * scene::TransferView::kEntries);
     PathRows path[kVectors];
@@ -47,55 +49,53 @@ class Post {
     Int samples[kVectors];
     Vec3v color[kVectors], to_eye[kVectors];
     typename Lights::FarHalves halves[kVectors];
-    for (int k = 0; k < kVectors; ++k) {
+    GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
       path[k] = in_texels(lanes_[k].fine(batch_));
       end[k] = lanes_[k].steps(path[k]);
       last_step[k] = hn::Max(hn::Sub(end[k], one), hn::Zero(kFloats));
       most = hn::Max(most, end[k]);
       samples[k] = hn::Zero(kInts);
       lanes_[k].load(batch_, color[k], opacity[k]);
-      to_eye[k] = lit ? lanes_[k].to_eye(batch_) : path[k].first;
-      if (lit) lights_.find_halves(to_eye[k], halves[k]);
+      to_eye[k] = kLit ? lanes_[k].to_eye(batch_) : path[k].first;
+      if constexpr (kLit) lights_.find_halves(to_eye[k], halves[k]);
     }
     const float last = hn::GetLane(hn::MaxOfLanes(kFloats, most));
     for (float step = 0; step < last; step += 1) {
       const Float i = all(step);
       Mask active[kVectors];
-      for (int k = 0; k < kVectors; ++k) active[k] = hn::And(hn::Lt(i, end[k]), hn::Lt(opacity[k], opaque));
+      GVX_UNROLL for (int k = 0; k < kVectors; ++k) active[k] = hn::And(hn::Lt(i, end[k]), hn::Lt(opacity[k], opaque));
       if (none_of(active)) break;
       // Of rays that have ended the last, which is in the brick.
       Vec3v texel[kVectors];
-      for (int k = 0; k < kVectors; ++k) texel[k] = path[k].at(hn::Min(i, last_step[k]));
+      GVX_UNROLL for (int k = 0; k < kVectors; ++k) texel[k] = path[k].at(hn::Min(i, last_step[k]));
       if (!all_cells) {
-        for (int k = 0; k < kVectors; ++k) {
-          active[k] = hn::And(active[k], in_visible_cell_inside(batch_.cells, edge_, texel[k]));
+        GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
+          active[k] = hn::And(active[k], visible.at(texel[k]));
         }
         if (none_of(active)) continue;
       }
       CellSample sample[kVectors];
       Float blend[kVectors];
-      sample_at(fine_, texel, lit, sample);
-      if constexpr (!kPlain) blend_in_coarse(i, last_step, lit, blend, sample);
+      fine.find(texel, sample);
+      if constexpr (!kPlain) blend_in_coarse(coarse, i, last_step, blend, sample);
       Float entry[kVectors];
       Mask seen[kVectors];
-      for (int k = 0; k < kVectors; ++k) {
+      GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
         samples[k] = hn::Sub(samples[k], hn::VecFromMask(kInts, hn::RebindMask(kInts, active[k])));
         entry[k] = function_.entry_of(sample[k].value);
         seen[k] = hn::And(active[k], function_.visible(entry[k]));
       }
       if (none_of(seen)) continue;
-      Int bits[kVectors][4];
-      for (int k = 0; k < kVectors; ++k) {
+      const auto add_step = [&](int k) HWY_ATTR {
         static_assert(sizeof(StepColor) == 16);
         alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
         store_offsets(hn::ShiftLeft<4>(function_.nearest(entry[k])), offsets);
-        load_rows(table, offsets, bits[k]);
-      }
-      for (int k = 0; k < kVectors; ++k) {
-        const Vec3v step_color = PathRows::vec3(bits[k]);
-        const Float step_opacity = hn::BitCast(kFloats, bits[k][3]);
+        Int bits[4];
+        load_rows(table, offsets, bits);
+        const Vec3v step_color = PathRows::vec3(bits);
+        const Float step_opacity = hn::BitCast(kFloats, bits[3]);
         const Float weight = hn::IfThenElseZero(seen[k], hn::Mul(hn::Sub(one, opacity[k]), step_opacity));
-        if (lit) {
+        if constexpr (kLit) {
           const Shade light = shade_at(i, sample[k], blend[k], lanes_[k], to_eye[k], halves[k]);
           const auto gather_color = [&](Float sum, Float color_of, Float body, Float glint) HWY_ATTR {
             const Float more = hn::MulAdd(weight, hn::MulAdd(color_of, body, glint), sum);
@@ -103,17 +103,28 @@ class Post {
             return Texels::kWhole ? more : hn::IfThenElse(seen[k], more, sum);
           };
           color[k].x = gather_color(color[k].x, step_color.x, light.body.x, light.glint.x);
-          color[k].y = gather_color(color[k].y, step_color.y, light.body.y, light.glint.y);
-          color[k].z = gather_color(color[k].z, step_color.z, light.body.z, light.glint.z);
+          if (lights_.gray()) {
+            color[k].y = gather_color(color[k].y, step_color.y, light.body.x, light.glint.x);
+            color[k].z = gather_color(color[k].z, step_color.z, light.body.x, light.glint.x);
+          } else {
+            color[k].y = gather_color(color[k].y, step_color.y, light.body.y, light.glint.y);
+            color[k].z = gather_color(color[k].z, step_color.z, light.body.z, light.glint.z);
+          }
         } else {
           color[k].x = hn::MulAdd(weight, step_color.x, color[k].x);
           color[k].y = hn::MulAdd(weight, step_color.y, color[k].y);
           color[k].z = hn::MulAdd(weight, step_color.z, color[k].z);
         }
         opacity[k] = hn::Add(opacity[k], weight);
+      };
+      if constexpr (kLit) {
+        // All lights' numbers of one vector fill the registers.
+        for (int k = 0; k < kVectors; ++k) add_step(k);
+      } else {
+        GVX_UNROLL for (int k = 0; k < kVectors; ++k) add_step(k);
       }
     }
-    for (int k = 0; k < kVectors; ++k) lanes_[k].store(batch_, color[k], opacity[k], samples[k]);
+    GVX_UNROLL for (int k = 0; k < kVectors; ++k) lanes_[k].store(batch_, color[k], opacity[k], samples[k]);
   }
 
  private:
@@ -124,26 +135,19 @@ class Post {
     return path;
   }
 
-  HWY_INLINE void sample_at(const Texels& texels, const Vec3v (&texel)[kVectors], bool lit,
-                            CellSample (&sample)[kVectors]) const {
-    cell_samples_at(
-        texels, edge_, [&](int k) HWY_ATTR { return TexelPlace::inside(texel[k], edge_); }, lit, sample);
-  }
-
-  HWY_INLINE void blend_in_coarse(Float i, const Float (&last_step)[kVectors], bool lit,
+  HWY_INLINE void blend_in_coarse(const SamplesInside<Texels, kLit>& coarse_samples, Float i, const Float (&last_step)[kVectors],
                                   Float (&blend)[kVectors], CellSample (&sample)[kVectors]) const {
     Vec3v texel[kVectors];
-    for (int k = 0; k < kVectors; ++k) {
+    GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
       const PathRows path = in_texels(lanes_[k].coarse(batch_));
       blend[k] = share_at(path, i);
       texel[k] = path.at(hn::Min(i, last_step[k]));
     }
     CellSample coarse[kVectors];
-    sample_at(coarse_, texel, lit, coarse);
-    for (int k = 0; k < kVectors; ++k) {
+    coarse_samples.find(texel, coarse);
+    GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
       sample[k].value = mix(sample[k].value, coarse[k].value, blend[k]);
-      if (!lit) continue;
-      sample[k].gradient = mix(sample[k].gradient, coarse[k].gradient, blend[k]);
+      if constexpr (kLit) sample[k].gradient = mix(sample[k].gradient, coarse[k].gradient, blend[k]);
     }
   }
 
@@ -164,29 +168,38 @@ class Post {
   const Texels &fine_, &coarse_;
 };
 
-template <bool kPlain, typename Texels>
-void post_all(const FrameView& frame, StretchBatch& batch, const Texels& fine, const Texels& coarse) {
+template <bool kPlain, bool kLit, typename Texels>
+void post_rows(const FrameView& frame, StretchBatch& batch, const Texels& fine, const Texels& coarse) {
   constexpr std::size_t kLanes = hn::MaxLanes(kFloats);
   batch.opaque_count = 0;
   const Shading<Texels::kWhole> lights(frame);
   std::size_t lane = 0;
   // Twice as many where vectors are short and what is kept of each is little.
-  if constexpr (kLanes <= 8 && kPlain && GVX_VECTORS_SIDE_BY_SIDE >= 4) {
-    for (; !lights.lit() && lane + 3 * kLanes < batch.count; lane += 4 * kLanes) {
+  if constexpr (kLanes <= 8 && kPlain && !kLit && GVX_VECTORS_SIDE_BY_SIDE >= 4) {
+    for (; lane + 3 * kLanes < batch.count; lane += 4 * kLanes) {
       const BatchLanes lanes[4] = {
           {batch, lane}, {batch, lane + kLanes}, {batch, lane + 2 * kLanes}, {batch, lane + 3 * kLanes}};
-      Post<Texels, kPlain, 4>(frame, lights, batch, lanes, fine, coarse).run();
+      Post<Texels, kPlain, kLit, 4>(frame, lights, batch, lanes, fine, coarse).run();
     }
   }
   if constexpr (GVX_VECTORS_SIDE_BY_SIDE >= 2) {
     for (; lane + kLanes < batch.count; lane += 2 * kLanes) {
       const BatchLanes lanes[2] = {{batch, lane}, {batch, lane + kLanes}};
-      Post<Texels, kPlain, 2>(frame, lights, batch, lanes, fine, coarse).run();
+      Post<Texels, kPlain, kLit, 2>(frame, lights, batch, lanes, fine, coarse).run();
     }
   }
   for (; lane < batch.count; lane += kLanes) {
     const BatchLanes lanes[1] = {{batch, lane}};
-    Post<Texels, kPlain, 1>(frame, lights, batch, lanes, fine, coarse).run();
+    Post<Texels, kPlain, kLit, 1>(frame, lights, batch, lanes, fine, coarse).run();
+  }
+}
+
+template <bool kPlain, typename Texels>
+void post_all(const FrameView& frame, StretchBatch& batch, const Texels& fine, const Texels& coarse) {
+  if (frame.lighting.lighting.enabled) {
+    post_rows<kPlain, true>(frame, batch, fine, coarse);
+  } else {
+    post_rows<kPlain, false>(frame, batch, fine, coarse);
   }
 }
 

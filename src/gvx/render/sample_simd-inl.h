@@ -117,12 +117,18 @@ struct TexelPlace {
   /// the first.
   HWY_INLINE static TexelPlace inside(const Vec3v& texel, int edge) {
     const Float x = hn::Floor(texel.x), y = hn::Floor(texel.y), z = hn::Floor(texel.z);
-    // Whatever comes, nothing outside of it is read.
+    return {held(index_of(x, y, z, edge), all_ints(last(edge))),
+            {hn::Sub(texel.x, x), hn::Sub(texel.y, y), hn::Sub(texel.z, z)}};
+  }
+  /// Whatever comes, nothing outside of the brick is read.
+  HWY_INLINE static Int held(Int index, Int last) {
     const hn::RebindToUnsigned<Ints> bits;
+    return hn::BitCast(kInts, hn::Min(hn::BitCast(bits, index), hn::BitCast(bits, last)));
+  }
+  /// The greatest index.
+  HWY_INLINE static std::int32_t last(int edge) {
     const int row = edge + 2;
-    const auto last = hn::Set(bits, static_cast<std::uint32_t>(edge * (row * row + row + 1)));
-    const Int at = hn::BitCast(kInts, hn::Min(hn::BitCast(bits, index_of(x, y, z, edge)), last));
-    return {at, {hn::Sub(texel.x, x), hn::Sub(texel.y, y), hn::Sub(texel.z, z)}};
+    return edge * (row * row + row + 1);
   }
 
   /// Floats hold it exactly: a brick of 32 has 39304 texels.
@@ -308,10 +314,8 @@ HWY_INLINE bool makes_quads(StretchBatch& batch) {
   return true;
 }
 
-/// Of cells' coordinates: are they bits of `cells` (visible_cells.h)?
-HWY_INLINE Mask are_visible(std::uint64_t cells, Float x, Float y, Float z) {
-  const Float across = all(static_cast<float>(kCellsAcross));
-  const Int index = whole(hn::MulAdd(hn::MulAdd(z, across, y), across, x));
+/// Are the bits of these numbers, from 0 to 63, set in `cells` (visible_cells.h)?
+HWY_INLINE Mask are_set(std::uint64_t cells, Int index) {
   const Int low = all_ints(static_cast<std::int32_t>(cells & 0xffffffffu));
   const Int high = all_ints(static_cast<std::int32_t>(cells >> 32));
   const Int half = hn::IfThenElse(hn::Gt(index, all_ints(31)), high, low);
@@ -322,22 +326,63 @@ HWY_INLINE Mask are_visible(std::uint64_t cells, Float x, Float y, Float z) {
 /// Is the cell at p one that can be seen?
 HWY_INLINE Mask in_visible_cell(std::uint64_t cells, int edge, const Vec3v& p) {
   const Float cells_per_voxel = all(static_cast<float>(kCellsAcross) / static_cast<float>(edge));
+  const Float across = all(static_cast<float>(kCellsAcross));
   const auto cell = [&](Float x) HWY_ATTR {
     const Float held = hn::Min(hn::Max(hn::Mul(x, cells_per_voxel), hn::Zero(kFloats)),
                                all(static_cast<float>(kCellsAcross) - 0.5f));
     return hn::Floor(held);
   };
-  return are_visible(cells, cell(p.x), cell(p.y), cell(p.z));
+  const Float x = cell(p.x), y = cell(p.y), z = cell(p.z);
+  return are_set(cells, whole(hn::MulAdd(hn::MulAdd(z, across, y), across, x)));
 }
-/// The same at a place as of TexelPlace::inside. (A cell's values reach half a voxel beyond it, so that the
-/// place may be moved a little: away from the brick's faces.)
-HWY_INLINE Mask in_visible_cell_inside(std::uint64_t cells, int edge, const Vec3v& texel) {
-  constexpr float kMoved = 2e-5f;
-  const float cells_per_voxel = (1 - kMoved) * kCellsAcross / static_cast<float>(edge);
-  const Float scale = all(cells_per_voxel), offset = all(kMoved - 0.5f * cells_per_voxel);
-  const auto cell = [&](Float x) HWY_ATTR { return hn::Floor(hn::MulAdd(x, scale, offset)); };
-  return are_visible(cells, cell(texel.x), cell(texel.y), cell(texel.z));
-}
+
+/// The same at places as of TexelPlace::inside. A cell's values reach half a voxel beyond it: so that a place
+/// may be moved by a 64th of a cell, away from the brick's faces.
+class VisibleCells {
+ public:
+  HWY_INLINE VisibleCells(std::uint64_t cells, int edge) : cells_(cells) {
+    constexpr float kMoved = 1.0f / 64;
+    const float scale = (1 - kMoved / 2) * kCellsAcross / static_cast<float>(edge);
+    scale_ = all(scale);
+    // Added to it, a power of two has a place as a whole number of its last bits: two of which are the cell.
+    const auto begin_at = [&](int exponent)
+                              HWY_ATTR { return all(static_cast<float>(1 << exponent) + kMoved - 0.5f * scale); };
+    first_ = {begin_at(23 - kBit), begin_at(21 - kBit), begin_at(19 - kBit)};
+#if HWY_TARGET == HWY_AVX3
+    low_ = _mm512_movm_epi16(static_cast<__mmask32>(cells & 0xffffffffu));
+    high_ = _mm512_movm_epi16(static_cast<__mmask32>(cells >> 32));
+#endif
+  }
+
+  HWY_INLINE Mask at(const Vec3v& texel) const {
+    const auto cell = [&](Float place, Float first)
+                          HWY_ATTR { return hn::BitCast(kInts, hn::MulAdd(place, scale_, first)); };
+    const Int x = cell(texel.x, first_.x), y = cell(texel.y, first_.y), z = cell(texel.z, first_.z);
+    const Int of_y = all_ints(3 << (kBit + 2)), of_z = all_ints(3 << (kBit + 4));
+#if HWY_TARGET == HWY_AVX3
+    constexpr int kChoose = 0xca;  // the second where the first has bits, else the third
+    const __m512i xy = _mm512_ternarylogic_epi32(of_y.raw, y.raw, x.raw, kChoose);
+    const __m512i xyz = _mm512_ternarylogic_epi32(of_z.raw, z.raw, xy, kChoose);
+    // A word of each cell; of a lane's two only the lower is looked at.
+    const __m512i word = _mm512_permutex2var_epi16(low_, _mm512_srli_epi32(xyz, kBit), high_);
+    return hn::RebindMask(kFloats, hn::Mask<Ints>{_mm512_test_epi32_mask(word, _mm512_set1_epi32(0xffff))});
+#else
+    const Int of_x = all_ints(3 << kBit);
+    const Int xyz = hn::Or(hn::Or(hn::And(x, of_x), hn::And(y, of_y)), hn::And(z, of_z));
+    return are_set(cells_, hn::ShiftRight<kBit>(xyz));
+#endif
+  }
+
+ private:
+  static constexpr int kBit = 10;  // where x is; y and z are above
+
+  [[maybe_unused]] std::uint64_t cells_;
+  Float scale_;
+  Vec3v first_;
+#if HWY_TARGET == HWY_AVX3
+  __m512i low_, high_;
+#endif
+};
 
 HWY_INLINE Float trilinear(const Corners& at, const Vec3v& weight) {
   const auto& c = at.corner;
@@ -365,14 +410,14 @@ HWY_INLINE void cell_samples_at(const Texels& texels, int edge, const PlaceOf& p
                                 CellSample (&samples)[kVectors]) {
   Int index[kVectors];
   Vec3v weight[kVectors];
-  for (int k = 0; k < kVectors; ++k) {
+  GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
     const TexelPlace place = place_of(k);
     index[k] = place.index;
     weight[k] = place.weight;
   }
   typename Texels::Raw raw[kVectors];
-  for (int k = 0; k < kVectors; ++k) raw[k] = texels.load(index[k], edge + 2, (edge + 2) * (edge + 2));
-  for (int k = 0; k < kVectors; ++k) {
+  GVX_UNROLL for (int k = 0; k < kVectors; ++k) raw[k] = texels.load(index[k], edge + 2, (edge + 2) * (edge + 2));
+  GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
     const Corners at = Texels::corners(raw[k]);
     const auto& c = at.corner;
     const Vec3v& w = weight[k];
@@ -396,6 +441,99 @@ HWY_INLINE void cell_samples(const Texels& texels, int edge, const Vec3v (&p)[kV
   cell_samples_at(
       texels, edge, [&](int k) HWY_ATTR { return TexelPlace(p[k], edge); }, with_gradient, samples);
 }
+
+/// What is 16 bits wide, two in a lane: the sums of their products.
+HWY_INLINE Int sum_of_products(Int a, Int b) {
+#if HWY_TARGET == HWY_AVX3
+  return Int{_mm512_madd_epi16(a.raw, b.raw)};
+#elif HWY_TARGET == HWY_AVX2
+  return Int{_mm256_madd_epi16(a.raw, b.raw)};
+#elif HWY_TARGET == HWY_SSE4
+  return Int{_mm_madd_epi16(a.raw, b.raw)};
+#else
+  const auto lower = [](Int v) HWY_ATTR { return hn::ShiftRight<16>(hn::ShiftLeft<16>(v)); };
+  const auto upper = [](Int v) HWY_ATTR { return hn::ShiftRight<16>(v); };
+  return hn::Add(hn::Mul(lower(a), lower(b)), hn::Mul(upper(a), upper(b)));
+#endif
+}
+
+/// cell_samples at places that are certain to be in the brick, but for rounding; counted in texels from the
+/// centre of the first.
+template <typename Texels, bool kGradient>
+class SamplesInside {
+ public:
+  HWY_INLINE SamplesInside(const Texels& texels, int edge) : texels_(texels), edge_(edge) {}
+
+  template <int kVectors>
+  HWY_INLINE void find(const Vec3v (&texel)[kVectors], CellSample (&samples)[kVectors]) const {
+    cell_samples_at(
+        texels_, edge_, [&](int k) HWY_ATTR { return TexelPlace::inside(texel[k], edge_); }, kGradient, samples);
+  }
+
+ private:
+  const Texels texels_;
+  const int edge_;
+};
+
+/// Values of bytes: first along z, in whole numbers, where texels weigh so many 2^14ths. (With gradients that
+/// is no gain: these are of differences along x first.)
+template <>
+class SamplesInside<QuadTexels, false> {
+ public:
+  HWY_INLINE SamplesInside(const QuadTexels& texels, int edge)
+      : texels_(texels),
+        row_(all(static_cast<float>(edge + 2))),
+        slice_(all(static_cast<float>((edge + 2) * (edge + 2)))),
+        last_(all_ints(TexelPlace::last(edge))) {}
+
+  template <int kVectors>
+  HWY_INLINE void find(const Vec3v (&texel)[kVectors], CellSample (&samples)[kVectors]) const {
+    Int weights[kVectors];
+    Float weight_x[kVectors], weight_y[kVectors];
+    QuadTexels::Raw raw[kVectors];
+    GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
+      const Float x = hn::Floor(texel[k].x), y = hn::Floor(texel[k].y), z = hn::Floor(texel[k].z);
+      weight_x[k] = hn::Sub(texel[k].x, x);
+      weight_y[k] = hn::Sub(texel[k].y, y);
+      const Float bits_of_z = hn::Add(hn::Sub(texel[k].z, z), all(kFirstOfWeights));
+      const Int upper = hn::And(hn::BitCast(kInts, bits_of_z), all_ints(2 * kOne - 1));
+      weights[k] = hn::Add(hn::ShiftLeft<16>(upper), hn::Sub(all_ints(kOne), upper));
+      const Float at = hn::MulAdd(z, slice_, hn::MulAdd(y, row_, hn::Add(x, all(kFirst))));
+      raw[k] = texels_.load(TexelPlace::held(hn::Sub(hn::BitCast(kInts, at), all_ints(kFirstBits)), last_), 0, 0);
+    }
+    GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
+      const Float wx = weight_x[k], wy = weight_y[k], unit = all(1.0f / kOne);
+      const Float c00 = sum(even(raw[k].low), weights[k]), c10 = sum(even(raw[k].high), weights[k]);
+      const Float c01 = sum(odd(raw[k].low), weights[k]), c11 = sum(odd(raw[k].high), weights[k]);
+      samples[k].value = hn::Mul(unit, mix(mix(c00, c10, wx), mix(c01, c11, wx), wy));
+    }
+  }
+
+ private:
+  static constexpr float kFirstOfWeights = 1 << 9;  // from here on the last of a float's bits is a 2^14th
+  static constexpr int kOne = 1 << 14;
+  static constexpr float kFirst = 1 << 23;  // and here 1
+  static constexpr std::int32_t kFirstBits = 0x4b000000;
+
+  /// Of the texels at y, in the lower half that at z.
+  HWY_INLINE static Int even(Int quad) { return hn::And(quad, all_ints(0x00ff00ff)); }
+  /// Of those at the next y.
+  HWY_INLINE static Int odd(Int quad) {
+#if HWY_TARGET == HWY_SCALAR
+    return even(hn::ShiftRight<8>(quad));
+#else
+    const hn::Repartition<std::uint16_t, Ints> halves;
+    return hn::BitCast(kInts, hn::ShiftRight<8>(hn::BitCast(halves, quad)));
+#endif
+  }
+  HWY_INLINE static Float sum(Int texels, Int weights) {
+    return hn::ConvertTo(kFloats, sum_of_products(texels, weights));
+  }
+
+  const QuadTexels texels_;
+  const Float row_, slice_;
+  const Int last_;
+};
 
 template <int kVectors>
 HWY_INLINE bool none_of(const Mask (&mask)[kVectors]) {

@@ -66,6 +66,7 @@ class Shading {
   }
 
   bool lit() const { return lighting_.enabled; }
+  bool gray() const { return gray_; }
 
   /// What is the same all along a ray: in tree space, the directions half way between far lights and the eye.
   struct FarHalves {
