@@ -21,23 +21,27 @@ struct TileRays {
   static constexpr std::uint32_t kEdge = exec::TileGrid::kTile;
   static constexpr std::uint32_t kMost = kEdge * kEdge;  ///< ray (x, y) of the tile is number y * kEdge + x
 
+  /// Arrays of 4096 doubles one after the other would have all numbers of a ray in the same few lines of a
+  /// processor's cache.
+  static constexpr std::uint32_t kRoom = kMost + 8;
+
   /// In tree space, from the eye; t is the distance in the world.
-  alignas(64) double origin[3][kMost];
-  alignas(64) double direction[3][kMost];
-  alignas(64) double inverse[3][kMost];  ///< of the direction; finite
-  alignas(64) double enter[kMost];       ///< the visible volume
-  alignas(64) double exit[kMost];        ///< no more than `enter`: has nothing to go through
-  alignas(64) double world_origin[3][kMost];
+  alignas(64) double origin[3][kRoom];
+  alignas(64) double direction[3][kRoom];
+  alignas(64) double inverse[3][kRoom];  ///< of the direction; finite
+  alignas(64) double enter[kRoom];       ///< the visible volume
+  alignas(64) double exit[kRoom];        ///< no more than `enter`: has nothing to go through
+  alignas(64) double world_origin[3][kRoom];
   alignas(64) float to_eye[kMost][4];  ///< unit, in the world; x, y, z and 0
 
   /// Where the next step starts, and the zone that it is in (FrameView::Zone).
-  alignas(64) double tick[kMost];
-  alignas(64) double stride[kMost];
-  alignas(64) double steps_per_t[kMost];
-  alignas(64) double zone_end[kMost];
-  alignas(64) std::int32_t zone[kMost];  ///< zone_number() of it
-  alignas(64) double start[kMost];       ///< of the stretch that was gathered last
-  alignas(64) double centre[kMost];      ///< t of its first step's
+  alignas(64) double tick[kRoom];
+  alignas(64) double stride[kRoom];
+  alignas(64) double steps_per_t[kRoom];
+  alignas(64) double zone_end[kRoom];
+  alignas(64) std::int32_t zone[kRoom];  ///< zone_number() of it
+  alignas(64) double start[kRoom];       ///< of the stretch that was gathered last
+  alignas(64) double centre[kRoom];      ///< t of its first step's
 
   /// RayState: red, green, blue, opacity.
   alignas(64) float gathered[kMost][4];

@@ -54,7 +54,7 @@ HWY_INLINE Vec3v constant(const Vec3d& v) {
 HWY_INLINE Vec3v vector(const Affine3& map, const Vec3v& v) {
   return v.x * map.column[0] + v.y * map.column[1] + v.z * map.column[2];
 }
-HWY_INLINE void store(const Vec3v& v, double (&values)[3][TileRays::kMost], std::size_t lane) {
+HWY_INLINE void store(const Vec3v& v, double (&values)[3][TileRays::kRoom], std::size_t lane) {
   hn::Store(v.x, kDoubles, values[0] + lane);
   hn::Store(v.y, kDoubles, values[1] + lane);
   hn::Store(v.z, kDoubles, values[2] + lane);
