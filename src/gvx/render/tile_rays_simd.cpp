@@ -171,21 +171,41 @@ struct Interval {
   Double in, out;
 };
 
-/// Rays from `r` on.
-HWY_INLINE Interval interval_of(const FrameView& frame, const TileRays& rays, const NodeBox& node,
-                                std::size_t r) {
-  Interval t{hn::Load(kDoubles, rays.enter + r), hn::Load(kDoubles, rays.exit + r)};
-  const bool one_origin = !frame.camera.orthographic;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Double origin = one_origin ? all(rays.origin[axis][0]) : hn::Load(kDoubles, rays.origin[axis] + r);
-    const Double inverse = hn::Load(kDoubles, rays.inverse[axis] + r);
-    const Double a = hn::Mul(hn::Sub(all(node.low[axis]), origin), inverse);
-    const Double b = hn::Mul(hn::Sub(all(node.high[axis]), origin), inverse);
-    t.in = hn::Max(t.in, hn::Min(a, b));
-    t.out = hn::Min(t.out, hn::Max(a, b));
+/// A node's faces; from the rays' origin where they have but one.
+class Faces {
+ public:
+  HWY_INLINE Faces(const FrameView& frame, const TileRays& rays, const NodeBox& node)
+      : rays_(rays), one_origin_(!frame.camera.orthographic) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double origin = one_origin_ ? rays.origin[axis][0] : 0;
+      low_[axis] = all(node.low[axis] - origin);
+      high_[axis] = all(node.high[axis] - origin);
+    }
   }
-  return t;
-}
+
+  /// Rays from `r` on.
+  HWY_INLINE Interval interval(std::size_t r) const {
+    Interval t{hn::Load(kDoubles, rays_.enter + r), hn::Load(kDoubles, rays_.exit + r)};
+    for (int axis = 0; axis < 3; ++axis) {
+      const Double inverse = hn::Load(kDoubles, rays_.inverse[axis] + r);
+      Double low = low_[axis], high = high_[axis];
+      if (!one_origin_) {
+        const Double origin = hn::Load(kDoubles, rays_.origin[axis] + r);
+        low = hn::Sub(low, origin);
+        high = hn::Sub(high, origin);
+      }
+      const Double a = hn::Mul(low, inverse), b = hn::Mul(high, inverse);
+      t.in = hn::Max(t.in, hn::Min(a, b));
+      t.out = hn::Min(t.out, hn::Max(a, b));
+    }
+    return t;
+  }
+
+ private:
+  const TileRays& rays_;
+  const bool one_origin_;
+  Double low_[3], high_[3];
+};
 
 /// Calls function(r) for each vector of a rectangle's rays in which any is active.
 template <typename Function>
@@ -202,8 +222,9 @@ HWY_INLINE void for_vectors(const ActiveRays& active, const TileRect& rect, cons
 bool any_inside_of(const FrameView& frame, const TileRays& rays, const ActiveRays& active,
                    const NodeBox& node, const TileRect& rect) {
   bool any = false;
+  const Faces faces(frame, rays, node);
   for_vectors(active, rect, [&](std::size_t r) HWY_ATTR {
-    const Interval t = interval_of(frame, rays, node, r);
+    const Interval t = faces.interval(r);
     const Double enter = hn::Load(kDoubles, rays.enter + r), tick = hn::Load(kDoubles, rays.tick + r);
     const Double now = hn::Add(enter, hn::Mul(tick, all(frame.tick_world)));
     any = any || !hn::AllFalse(kDoubles, hn::And(hn::Lt(t.in, t.out), hn::Lt(now, t.out)));
@@ -231,12 +252,15 @@ HWY_INLINE void put_places(const TileRays& rays, Double centre, Double t_step, s
 }
 
 HWY_INLINE void put_lengths(hn::Vec<HalfInts> lengths, unsigned taken, std::uint8_t* to) {
-  alignas(64) std::int32_t lanes[hn::MaxLanes(kHalfInts)];
-  hn::Store(lengths, kHalfInts, lanes);
-  for (std::size_t i = 0; i < hn::MaxLanes(kHalfInts); ++i) {
-    *to = static_cast<std::uint8_t>(lanes[i]);
-    to += taken >> i & 1;
-  }
+#if HWY_TARGET == HWY_SCALAR
+  *to = static_cast<std::uint8_t>(hn::GetLane(lengths));
+  (void)taken;
+#else
+  const std::uint8_t bits[8] = {static_cast<std::uint8_t>(taken)};
+  const auto put_first = hn::Compress(lengths, hn::LoadMaskBits(kHalfInts, bits));
+  const hn::Rebind<std::uint8_t, HalfInts> bytes;
+  hn::StoreU(hn::DemoteTo(bytes, put_first), bytes, to);
+#endif
 }
 
 /// The places of rays from `r` on in a brick, and their fourths: what goes with them into a row.
@@ -270,9 +294,11 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
   const double share_first = batch.blended ? frame.share_at(wanted.step_level, 0) : 0;
   const double share_slope = batch.blended ? frame.share_at(wanted.step_level, 1) - share_first : 0;
   const Long zone_wanted = hn::Set(kLongs, wanted.zone);
+  const auto first_numbers = hn::Iota(kHalfInts, 0);
+  const Faces faces(frame, rays, node);
   std::size_t count = 0;
   for_vectors(active, rect, [&](std::size_t r) HWY_ATTR {
-    const Interval t = interval_of(frame, rays, node, r);
+    const Interval t = faces.interval(r);
     const Mask inside = hn::Lt(t.in, t.out);
     if (hn::AllFalse(kDoubles, inside)) return;
     const Double enter = hn::Load(kDoubles, rays.enter + r);
@@ -307,7 +333,7 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
     if (wanted.coarser) {
       steps = hn::Max(one, hn::Ceil(hn::Div(hn::Sub(t.out, centre), t_step)));
     } else {
-      steps = hn::Round(hn::Div(hn::Sub(end, start), stride));
+      steps = hn::Round(hn::Mul(hn::Sub(end, start), hn::Mul(steps_per_t, tick_world)));
     }
     end = hn::Add(start, hn::Mul(steps, all(step_stride)));
     hn::Store(hn::IfThenElse(taken, end, tick), kDoubles, rays.tick + r);
@@ -320,7 +346,7 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
           one_origin ? all(rays.origin[axis][0]) : hn::Load(kDoubles, rays.origin[axis] + r);
       p[axis] = hn::Add(origin, hn::Mul(centre, hn::Load(kDoubles, rays.direction[axis] + r)));
     }
-    const auto numbers = hn::Iota(kHalfInts, static_cast<std::int32_t>(r));
+    const auto numbers = hn::Add(first_numbers, hn::Set(kHalfInts, static_cast<std::int32_t>(r)));
     put_path(rays, p, r, t_step, wanted.fine, m, taken_bits, to_floats(steps),
              hn::BitCast(kHalfFloats, numbers), batch.fine.row + count);
     if (batch.blended) {
