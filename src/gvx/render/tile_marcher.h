@@ -54,22 +54,17 @@ class TileMarcher {
       const Vec3d forward = frame.world_to_tree.vector(frame.camera.forward);
       for (int axis = 0; axis < 3; ++axis) viewpoint_[axis] = forward[axis] > 0 ? -1e300 : 1e300;
     }
-    const std::size_t many = edge * TileRays::kEdge;
+    const std::uint32_t many = edge * TileRays::kEdge;
     std::fill_n(rays.tick, many, 0.0);
     std::memset(rays.gathered, 0, many * sizeof(rays.gathered[0]));
     std::memset(rays.samples, 0, many * sizeof(rays.samples[0]));
     if (frame.proxy != nullptr) cut_by_proxy(x0, y0, apart);
     if (preview) std::fill_n(work_.pixel, many, PreviewPixel());
     if (zones_) {
-      for (std::uint32_t ray = 0; ray < many; ++ray) {
-        if (active_.has(ray)) rays.find_zone(frame, ray);
-      }
+      rays.begin_zones();
+      active_.for_each([&](std::uint32_t ray) { rays.find_zone(frame, ray); });
     } else {
-      rays.find_zone(frame, 0);
-      std::fill_n(rays.zone, many, rays.zone[0]);
-      std::fill_n(rays.stride, many, rays.stride[0]);
-      std::fill_n(rays.steps_per_t, many, rays.steps_per_t[0]);
-      std::fill_n(rays.zone_end, many, rays.zone_end[0]);
+      rays.fill_zone(frame, many);
     }
     if (projects_) leave_out_stubs();
     StretchBatch& batch = work_.batch;
@@ -397,10 +392,9 @@ class TileMarcher {
       if (s.blended) put_path(batch.coarse.row[i], s.coarse);
       if (frame.adds_noise) {
         const TileRays& rays = work_.rays;
-        const Vec3d origin(rays.origin[0][ray], rays.origin[1][ray], rays.origin[2][ray]);
-        const Vec3d direction(rays.direction[0][ray], rays.direction[1][ray], rays.direction[2][ray]);
+        const Vec3d direction = rays.direction_of(ray);
         s.noisy = &frame;
-        s.place = frame.eye_tree + origin + s.t_centre * direction;
+        s.place = frame.eye_tree + rays.origin_of(ray) + s.t_centre * direction;
         s.place_step = s.t_step * direction;
       }
       RayState state = state_of(ray);
@@ -418,8 +412,7 @@ class TileMarcher {
     const TileRays& rays = work_.rays;
     const float(&to_eye)[4] = rays.to_eye[ray];
     const Vec3f towards(to_eye[0], to_eye[1], to_eye[2]);
-    const Vec3d origin(rays.world_origin[0][ray], rays.world_origin[1][ray], rays.world_origin[2][ray]);
-    return {view_.frame, {origin, -Vec3d(towards)}, towards};
+    return {view_.frame, {rays.world_origin_of(ray), -Vec3d(towards)}, towards};
   }
 
   /// Can nothing below a node change what any ray of a rectangle has gathered?

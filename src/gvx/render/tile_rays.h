@@ -26,12 +26,13 @@ struct TileRays {
   static constexpr std::uint32_t kRoom = kMost + 8;
 
   /// In tree space, from the eye; t is the distance in the world.
-  alignas(64) double origin[3][kRoom];
+  alignas(64) double origin[3][kRoom];  ///< number 0 is that of all where one_origin
   alignas(64) double direction[3][kRoom];
   alignas(64) double inverse[3][kRoom];  ///< of the direction; finite
   alignas(64) double enter[kRoom];       ///< the visible volume
   alignas(64) double exit[kRoom];        ///< no more than `enter`: has nothing to go through
-  alignas(64) double world_origin[3][kRoom];
+  alignas(64) double world_origin[3][kRoom];  ///< the same
+  bool one_origin = false;
   alignas(64) float to_eye[kMost][4];  ///< unit, in the world; x, y, z and 0
 
   /// Where the next step starts, and the zone that it is in (FrameView::Zone).
@@ -47,10 +48,25 @@ struct TileRays {
   alignas(64) float gathered[kMost][4];
   std::int32_t samples[kMost];
 
+  Vec3d origin_of(std::uint32_t ray) const { return of(origin, one_origin ? 0 : ray); }
+  Vec3d world_origin_of(std::uint32_t ray) const { return of(world_origin, one_origin ? 0 : ray); }
+  Vec3d direction_of(std::uint32_t ray) const { return of(direction, ray); }
+
   /// A zone's level and whether levels are blended in it.
   static std::int32_t zone_number(int level, bool blended) { return 2 * level + (blended ? 1 : 0); }
   /// Finds the zone of the step at a ray's tick.
   void find_zone(const FrameView& frame, std::uint32_t ray);
+  /// Puts the first `count` rays into one zone, in which they stay.
+  void fill_zone(const FrameView& frame, std::uint32_t count);
+  /// From now on each may be in another.
+  void begin_zones() { filled_ = 0; }
+
+ private:
+  static Vec3d of(const double (&numbers)[3][kRoom], std::uint32_t ray) {
+    return {numbers[0][ray], numbers[1][ray], numbers[2][ray]};
+  }
+
+  std::uint32_t filled_ = 0;  // rays that are in the zone of the first
 };
 
 /// Rays (x, y) of a tile with x0 <= x <= x1 and y0 <= y <= y1.

@@ -1,6 +1,7 @@
 // What of a tile's rays is in a node, with a ray in each lane of a vector; and which of them may meet a
 // node's children, with a child in each. Compiled once for each instruction set.
 
+#include <algorithm>
 #include <bit>
 
 #include "gvx/render/simd_targets.h"
@@ -113,6 +114,13 @@ ActiveRays set_up_all(const FrameView& frame, double x0, double y0, double apart
                       TileRays& rays) {
   const scene::CameraView& camera = frame.camera;
   ActiveRays meeting;
+  rays.one_origin = !camera.orthographic;
+  if (rays.one_origin) {
+    for (int axis = 0; axis < 3; ++axis) {
+      rays.origin[axis][0] = 0;
+      rays.world_origin[axis][0] = camera.eye[axis];
+    }
+  }
   for (std::uint32_t row = 0; row < edge; ++row) {
     const double y = y0 + static_cast<double>(row) * apart;
     const Double up = all((camera.half_height - y - 0.5) * camera.pixel);
@@ -132,13 +140,15 @@ ActiveRays set_up_all(const FrameView& frame, double x0, double y0, double apart
         const Double length = hn::Sqrt(square);
         direction = {hn::Div(way.x, length), hn::Div(way.y, length), hn::Div(way.z, length)};
       }
-      store(constant(camera.eye) + origin, rays.world_origin, ray);
       const HalfFloat to_eye[4] = {hn::Neg(to_floats(direction.x)), hn::Neg(to_floats(direction.y)),
                                    hn::Neg(to_floats(direction.z)), hn::Zero(kHalfFloats)};
       put_rows(to_eye, kAllLanes, &rays.to_eye[ray][0], 4);
-      if (camera.orthographic) origin = vector(frame.world_to_tree, origin);
+      if (camera.orthographic) {
+        store(constant(camera.eye) + origin, rays.world_origin, ray);
+        origin = vector(frame.world_to_tree, origin);
+        store(origin, rays.origin, ray);
+      }
       direction = vector(frame.world_to_tree, direction);
-      store(origin, rays.origin, ray);
       store(direction, rays.direction, ray);
       Double enter = hn::Zero(kDoubles), exit = all(1e300);
       Mask outside = hn::Lt(exit, enter);
@@ -174,10 +184,9 @@ struct Interval {
 /// A node's faces; from the rays' origin where they have but one.
 class Faces {
  public:
-  HWY_INLINE Faces(const FrameView& frame, const TileRays& rays, const NodeBox& node)
-      : rays_(rays), one_origin_(!frame.camera.orthographic) {
+  HWY_INLINE Faces(const TileRays& rays, const NodeBox& node) : rays_(rays) {
     for (int axis = 0; axis < 3; ++axis) {
-      const double origin = one_origin_ ? rays.origin[axis][0] : 0;
+      const double origin = rays.one_origin ? rays.origin[axis][0] : 0;
       low_[axis] = all(node.low[axis] - origin);
       high_[axis] = all(node.high[axis] - origin);
     }
@@ -189,7 +198,7 @@ class Faces {
     for (int axis = 0; axis < 3; ++axis) {
       const Double inverse = hn::Load(kDoubles, rays_.inverse[axis] + r);
       Double low = low_[axis], high = high_[axis];
-      if (!one_origin_) {
+      if (!rays_.one_origin) {
         const Double origin = hn::Load(kDoubles, rays_.origin[axis] + r);
         low = hn::Sub(low, origin);
         high = hn::Sub(high, origin);
@@ -203,7 +212,6 @@ class Faces {
 
  private:
   const TileRays& rays_;
-  const bool one_origin_;
   Double low_[3], high_[3];
 };
 
@@ -222,7 +230,7 @@ HWY_INLINE void for_vectors(const ActiveRays& active, const TileRect& rect, cons
 bool any_inside_of(const FrameView& frame, const TileRays& rays, const ActiveRays& active,
                    const NodeBox& node, const TileRect& rect) {
   bool any = false;
-  const Faces faces(frame, rays, node);
+  const Faces faces(rays, node);
   for_vectors(active, rect, [&](std::size_t r) HWY_ATTR {
     const Interval t = faces.interval(r);
     const Double enter = hn::Load(kDoubles, rays.enter + r), tick = hn::Load(kDoubles, rays.tick + r);
@@ -242,7 +250,8 @@ HWY_INLINE void put_places(const TileRays& rays, Double centre, Double t_step, s
   HalfFloat place[4], per_step[4];
   for (int axis = 0; axis < 3; ++axis) {
     const Double way = hn::PromoteTo(kDoubles, hn::Load(kHalfFloats, lanes[axis]));
-    const Double from = hn::Load(kDoubles, rays.world_origin[axis] + r);
+    const Double from = rays.one_origin ? all(rays.world_origin[axis][0])
+                                        : hn::Load(kDoubles, rays.world_origin[axis] + r);
     place[axis] = to_floats(hn::Add(from, hn::Mul(centre, way)));
     per_step[axis] = to_floats(hn::Mul(way, t_step));
   }
@@ -289,13 +298,12 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
   const double m = batch.m;
   const scene::Lighting& lighting = frame.lighting.lighting;
   const bool near_lights = lighting.enabled && lighting.has_points();
-  const bool one_origin = !frame.camera.orthographic;
   // FrameView::share_at is even in t.
   const double share_first = batch.blended ? frame.share_at(wanted.step_level, 0) : 0;
   const double share_slope = batch.blended ? frame.share_at(wanted.step_level, 1) - share_first : 0;
   const Long zone_wanted = hn::Set(kLongs, wanted.zone);
   const auto first_numbers = hn::Iota(kHalfInts, 0);
-  const Faces faces(frame, rays, node);
+  const Faces faces(rays, node);
   std::size_t count = 0;
   for_vectors(active, rect, [&](std::size_t r) HWY_ATTR {
     const Interval t = faces.interval(r);
@@ -343,7 +351,7 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
     Double p[3];
     for (int axis = 0; axis < 3; ++axis) {
       const Double origin =
-          one_origin ? all(rays.origin[axis][0]) : hn::Load(kDoubles, rays.origin[axis] + r);
+          rays.one_origin ? all(rays.origin[axis][0]) : hn::Load(kDoubles, rays.origin[axis] + r);
       p[axis] = hn::Add(origin, hn::Mul(centre, hn::Load(kDoubles, rays.direction[axis] + r)));
     }
     const auto numbers = hn::Add(first_numbers, hn::Set(kHalfInts, static_cast<std::int32_t>(r)));
@@ -465,6 +473,20 @@ void TileRays::find_zone(const FrameView& frame, std::uint32_t ray) {
   stride[ray] = frame.stride[found.level];
   steps_per_t[ray] = 1 / (stride[ray] * frame.tick_world);
   zone_end[ray] = found.end;
+}
+
+void TileRays::fill_zone(const FrameView& frame, std::uint32_t count) {
+  const std::int32_t zone_before = zone[0];
+  const double stride_before = stride[0], end_before = zone_end[0], per_t_before = steps_per_t[0];
+  find_zone(frame, 0);
+  const bool same = zone[0] == zone_before && stride[0] == stride_before && zone_end[0] == end_before &&
+                    steps_per_t[0] == per_t_before;
+  if (same && count <= filled_) return;
+  std::fill_n(zone, count, zone[0]);
+  std::fill_n(stride, count, stride[0]);
+  std::fill_n(steps_per_t, count, steps_per_t[0]);
+  std::fill_n(zone_end, count, zone_end[0]);
+  filled_ = count;
 }
 
 TileProjection::TileProjection(const FrameView& frame, double apart)
