@@ -306,10 +306,11 @@ HWY_INLINE void make_quads(StretchBatch& batch) {
 
 /// Makes quads of the fine brick of bytes where the batch's rays take so many steps that it pays.
 HWY_INLINE bool makes_quads(StretchBatch& batch) {
-  constexpr float kLongSteps = 24;
-  float steps = 0;
-  for (std::uint32_t i = 0; i < batch.count; ++i) steps += batch.steps(i);
-  if (steps <= kLongSteps * static_cast<float>(hn::Lanes(kFloats))) return false;
+  constexpr std::size_t kStepsOfVectors = 24;
+  const std::size_t least = kStepsOfVectors * hn::Lanes(kFloats);
+  std::size_t steps = 0;
+  for (std::uint32_t i = 0; i < batch.count && steps <= least; ++i) steps += batch.length[i];
+  if (steps <= least) return false;
   make_quads(batch);
   return true;
 }

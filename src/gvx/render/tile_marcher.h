@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstring>
 
 #include "gvx/core/result.h"
@@ -113,9 +114,7 @@ class TileMarcher {
   void put_state(std::uint32_t index, RayState& state) const {
     const TileRays& rays = work_.rays;
     state.tick = rays.tick[index];
-    const float(&gathered)[4] = rays.gathered[index];
-    state.color = {gathered[0], gathered[1], gathered[2]};
-    state.opacity = gathered[3];
+    put_gathered(rays.gathered[index], state);
     state.samples = static_cast<std::uint32_t>(rays.samples[index]);
     const bool goes_on = blocked_.has(index) || (stopped_ && active_.has(index));
     state.phase = goes_on ? RayPhase::under_way : RayPhase::finished;
@@ -130,6 +129,11 @@ class TileMarcher {
   }
 
  private:
+  /// Colour and opacity at once.
+  static void put_gathered(const float (&gathered)[4], RayState& state) {
+    static_assert(offsetof(RayState, opacity) == offsetof(RayState, color) + 3 * sizeof(float));
+    std::memcpy(reinterpret_cast<std::byte*>(&state) + offsetof(RayState, color), gathered, sizeof(gathered));
+  }
   RayState state_of(std::uint32_t index) const {
     RayState state;
     put_state(index, state);
