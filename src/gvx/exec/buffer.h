@@ -5,9 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
-#include <memory>
 #include <new>
 #include <span>
 #include <type_traits>
@@ -16,6 +14,7 @@
 #include "gvx/core/macros.h"
 #include "gvx/exec/cuda_support.h"
 #include "gvx/exec/device.h"
+#include "gvx/exec/host_memory.h"
 
 namespace gvx::exec {
 
@@ -40,17 +39,16 @@ class Buffer {
   Buffer() = default;
   Buffer(const Device& device, std::size_t size) : kind_(device.kind()), size_(size) {
     if (size == 0) return;
-    static_assert(alignof(T) <= kAlignment);
-    if (size > (SIZE_MAX - kAlignment) / sizeof(T)) throw std::bad_alloc();
+    static_assert(alignof(T) <= HostMemory::kAlignment);
+    if (size > SIZE_MAX / sizeof(T)) throw std::bad_alloc();
     const std::size_t bytes = size * sizeof(T);
-    // calloc leaves pages untouched until they are used: a pool costs what is resident in it.
-    memory_ =
-        kind_ == DeviceKind::cuda ? cuda_support::allocate_shared(bytes) : std::calloc(1, bytes + kAlignment);
-    if (memory_ == nullptr) throw std::bad_alloc();
-    void* aligned = memory_;
-    std::size_t room = bytes + kAlignment;
-    data_ =
-        static_cast<T*>(kind_ == DeviceKind::cuda ? memory_ : std::align(kAlignment, bytes, aligned, room));
+    if (kind_ == DeviceKind::cuda) {
+      data_ = static_cast<T*>(cuda_support::allocate_shared(bytes));
+      if (data_ == nullptr) throw std::bad_alloc();
+    } else {
+      memory_ = HostMemory(bytes);
+      data_ = static_cast<T*>(memory_.data());
+    }
   }
   Buffer(Buffer&& other) noexcept { swap(other); }
   Buffer& operator=(Buffer&& other) noexcept {
@@ -58,11 +56,7 @@ class Buffer {
     return *this;
   }
   ~Buffer() {
-    if (kind_ == DeviceKind::cuda) {
-      cuda_support::free_shared(memory_);
-    } else {
-      std::free(memory_);
-    }
+    if (kind_ == DeviceKind::cuda) cuda_support::free_shared(data_);
   }
 
   /// Writes elements from `first` on, out of the host's memory or a device's.
@@ -86,11 +80,8 @@ class Buffer {
     std::swap(size_, other.size_);
   }
 
-  // A cache line's: what is made of such pieces straddles none.
-  static constexpr std::size_t kAlignment = 64;
-
   DeviceKind kind_ = DeviceKind::cpu;
-  void* memory_ = nullptr;
+  HostMemory memory_;  // a CPU's
   T* data_ = nullptr;
   std::size_t size_ = 0;
 };

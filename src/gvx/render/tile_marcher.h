@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "gvx/core/result.h"
+#include "gvx/exec/host_memory.h"
 #include "gvx/exec/tile_grid.h"
 #include "gvx/render/gather.h"
 #include "gvx/render/march.h"
@@ -27,8 +28,10 @@ struct Workspace {
 };
 
 inline Workspace& this_threads_workspace() {
-  thread_local Workspace workspace;
-  return workspace;
+  thread_local const exec::HostMemory memory(sizeof(Workspace));
+  static_assert(alignof(Workspace) <= exec::HostMemory::kAlignment);
+  thread_local Workspace* const workspace = new (memory.data()) Workspace;
+  return *workspace;
 }
 
 template <typename Voxel, int N, int M>
