@@ -20,10 +20,14 @@ HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
 namespace {
 
+/// What lights there are; one: by Shading::by_one.
+enum class Lit { no, by_one, by_any };
+
 /// The rays of so many vectors, and what they go through. kPlain: one brick; else two that are blended.
-template <typename Texels, bool kPlain, bool kLit, int kVectors>
+template <typename Texels, bool kPlain, Lit kLit, int kVectors>
 class Post {
  public:
+  static constexpr bool kIsLit = kLit != Lit::no;
   using Lights = Shading<Texels::kWhole>;
 
   HWY_INLINE Post(const FrameView& frame, const Lights& lights, StretchBatch& batch,
@@ -41,7 +45,7 @@ class Post {
     const bool all_cells = batch_.cells == ~std::uint64_t(0);
     const Float opaque = all(kOpaque), one = all(1);
     const VisibleCells visible(batch_.cells, edge_);
-    const SamplesInside<Texels, kLit> fine(fine_, edge_), coarse(coarse_, edge_);
+    const SamplesInside<Texels, kIsLit> fine(fine_, edge_), coarse(coarse_, edge_);
     const std::byte* table = reinterpret_cast<const std::byte*>(
         frame_.step_colors + std::size_t(batch_.level) * scene::TransferView::kEntries);
     PathRows path[kVectors];
@@ -56,14 +60,15 @@ class Post {
       most = hn::Max(most, end[k]);
       samples[k] = hn::Zero(kInts);
       lanes_[k].load(batch_, color[k], opacity[k]);
-      to_eye[k] = kLit ? lanes_[k].to_eye(batch_) : path[k].first;
-      if constexpr (kLit) lights_.find_halves(to_eye[k], halves[k]);
+      to_eye[k] = kIsLit ? lanes_[k].to_eye(batch_) : path[k].first;
+      if constexpr (kIsLit) lights_.find_halves(to_eye[k], halves[k]);
     }
     const float last = hn::GetLane(hn::MaxOfLanes(kFloats, most));
     for (float step = 0; step < last; step += 1) {
       const Float i = all(step);
       Mask active[kVectors];
-      GVX_UNROLL for (int k = 0; k < kVectors; ++k) active[k] = hn::And(hn::Lt(i, end[k]), hn::Lt(opacity[k], opaque));
+      GVX_UNROLL for (int k = 0; k < kVectors; ++k) active[k] =
+          hn::And(hn::Lt(i, end[k]), hn::Lt(opacity[k], opaque));
       if (none_of(active)) break;
       // Of rays that have ended the last, which is in the brick.
       Vec3v texel[kVectors];
@@ -95,20 +100,23 @@ class Post {
         const Vec3v step_color = PathRows::vec3(bits);
         const Float step_opacity = hn::BitCast(kFloats, bits[3]);
         const Float weight = hn::IfThenElseZero(seen[k], hn::Mul(hn::Sub(one, opacity[k]), step_opacity));
-        if constexpr (kLit) {
-          const Shade light = shade_at(i, sample[k], blend[k], lanes_[k], to_eye[k], halves[k]);
-          const auto gather_color = [&](Float sum, Float color_of, Float body, Float glint) HWY_ATTR {
+        if constexpr (kIsLit) {
+          const auto gather_color = [&](Float& sum, Float color_of, Float body, Float glint) HWY_ATTR {
             const Float more = hn::MulAdd(weight, hn::MulAdd(color_of, body, glint), sum);
             // Of whole numbers every shade is a number, and nothing of it is nothing.
-            return Texels::kWhole ? more : hn::IfThenElse(seen[k], more, sum);
+            sum = Texels::kWhole ? more : hn::IfThenElse(seen[k], more, sum);
           };
-          color[k].x = gather_color(color[k].x, step_color.x, light.body.x, light.glint.x);
-          if (lights_.gray()) {
-            color[k].y = gather_color(color[k].y, step_color.y, light.body.x, light.glint.x);
-            color[k].z = gather_color(color[k].z, step_color.z, light.body.x, light.glint.x);
+          if constexpr (kLit == Lit::by_one) {
+            Float body, glint;
+            lights_.shade_by_one(sample[k].gradient, all(batch_.fine.gradient_scale), halves[k], body, glint);
+            gather_color(color[k].x, step_color.x, body, glint);
+            gather_color(color[k].y, step_color.y, body, glint);
+            gather_color(color[k].z, step_color.z, body, glint);
           } else {
-            color[k].y = gather_color(color[k].y, step_color.y, light.body.y, light.glint.y);
-            color[k].z = gather_color(color[k].z, step_color.z, light.body.z, light.glint.z);
+            const Shade light = shade_at(i, sample[k], blend[k], lanes_[k], to_eye[k], halves[k]);
+            gather_color(color[k].x, step_color.x, light.body.x, light.glint.x);
+            gather_color(color[k].y, step_color.y, light.body.y, light.glint.y);
+            gather_color(color[k].z, step_color.z, light.body.z, light.glint.z);
           }
         } else {
           color[k].x = hn::MulAdd(weight, step_color.x, color[k].x);
@@ -117,7 +125,7 @@ class Post {
         }
         opacity[k] = hn::Add(opacity[k], weight);
       };
-      if constexpr (kLit) {
+      if constexpr (kLit == Lit::by_any) {
         // All lights' numbers of one vector fill the registers.
         for (int k = 0; k < kVectors; ++k) add_step(k);
       } else {
@@ -135,8 +143,9 @@ class Post {
     return path;
   }
 
-  HWY_INLINE void blend_in_coarse(const SamplesInside<Texels, kLit>& coarse_samples, Float i, const Float (&last_step)[kVectors],
-                                  Float (&blend)[kVectors], CellSample (&sample)[kVectors]) const {
+  HWY_INLINE void blend_in_coarse(const SamplesInside<Texels, kIsLit>& coarse_samples, Float i,
+                                  const Float (&last_step)[kVectors], Float (&blend)[kVectors],
+                                  CellSample (&sample)[kVectors]) const {
     Vec3v texel[kVectors];
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
       const PathRows path = in_texels(lanes_[k].coarse(batch_));
@@ -147,7 +156,7 @@ class Post {
     coarse_samples.find(texel, coarse);
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
       sample[k].value = mix(sample[k].value, coarse[k].value, blend[k]);
-      if constexpr (kLit) sample[k].gradient = mix(sample[k].gradient, coarse[k].gradient, blend[k]);
+      if constexpr (kIsLit) sample[k].gradient = mix(sample[k].gradient, coarse[k].gradient, blend[k]);
     }
   }
 
@@ -168,14 +177,14 @@ class Post {
   const Texels &fine_, &coarse_;
 };
 
-template <bool kPlain, bool kLit, typename Texels>
+template <bool kPlain, Lit kLit, typename Texels>
 void post_rows(const FrameView& frame, StretchBatch& batch, const Texels& fine, const Texels& coarse) {
   constexpr std::size_t kLanes = hn::MaxLanes(kFloats);
   batch.opaque_count = 0;
   const Shading<Texels::kWhole> lights(frame);
   std::size_t lane = 0;
   // Twice as many where vectors are short and what is kept of each is little.
-  if constexpr (kLanes <= 8 && kPlain && !kLit && GVX_VECTORS_SIDE_BY_SIDE >= 4) {
+  if constexpr (kLanes <= 8 && kPlain && kLit == Lit::no && GVX_VECTORS_SIDE_BY_SIDE >= 4) {
     for (; lane + 3 * kLanes < batch.count; lane += 4 * kLanes) {
       const BatchLanes lanes[4] = {
           {batch, lane}, {batch, lane + kLanes}, {batch, lane + 2 * kLanes}, {batch, lane + 3 * kLanes}};
@@ -196,11 +205,12 @@ void post_rows(const FrameView& frame, StretchBatch& batch, const Texels& fine, 
 
 template <bool kPlain, typename Texels>
 void post_all(const FrameView& frame, StretchBatch& batch, const Texels& fine, const Texels& coarse) {
-  if (frame.lighting.lighting.enabled) {
-    post_rows<kPlain, true>(frame, batch, fine, coarse);
-  } else {
-    post_rows<kPlain, false>(frame, batch, fine, coarse);
+  if (!frame.lighting.lighting.enabled) return post_rows<kPlain, Lit::no>(frame, batch, fine, coarse);
+  if constexpr (kPlain && Texels::kWhole) {
+    const Shading<Texels::kWhole> lights(frame);
+    if (lights.by_one()) return post_rows<kPlain, Lit::by_one>(frame, batch, fine, coarse);
   }
+  post_rows<kPlain, Lit::by_any>(frame, batch, fine, coarse);
 }
 
 template <typename Voxel>

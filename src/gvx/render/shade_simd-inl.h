@@ -66,7 +66,10 @@ class Shading {
   }
 
   bool lit() const { return lighting_.enabled; }
-  bool gray() const { return gray_; }
+  /// Is there but one light, far away and without a hue?
+  bool by_one() const {
+    return gray_ && lighting_.lights == 1 && lighting_.light[0].kind != scene::LightKind::point;
+  }
 
   /// What is the same all along a ray: in tree space, the directions half way between far lights and the eye.
   struct FarHalves {
@@ -107,6 +110,23 @@ class Shading {
     return shade_scaled(scaled(per_soft, gradient), scale, to_eye, halves, point_at);
   }
 
+  /// The same of the first channel by_one(): the shade's x, which is its y and z. In one piece, without the
+  /// loops and branches of any lights: a vector's numbers stay in registers.
+  HWY_INLINE void shade_by_one(const Vec3v& gradient, Float scale, const FarHalves& halves, Float& body,
+                               Float& glint) const {
+    static_assert(kWhole);
+    Float per_length, certain;
+    measure(gradient, hn::Mul(scale, all(per_soft_gradient_[0])), per_length, certain);
+    const auto cosine = [&](const Vec3v& direction)
+                            HWY_ATTR { return hn::Mul(hn::Abs(dot(gradient, direction)), per_length); };
+    const Float color = all(lighting_.light[0].color.x), diffuse = all(lighting_.diffuse);
+    const Float facing = cosine(all_of(to_light_[0])), half_way = cosine(halves.of_light[0]);
+    // What is no surface faces every light.
+    const Float lit = hn::MulAdd(hn::Mul(certain, diffuse), hn::Sub(facing, all(1)), diffuse);
+    body = hn::MulAdd(lit, color, all(lighting_.ambient));
+    glint = hn::Mul(hn::Mul(hn::Mul(certain, all(lighting_.specular)), shine(half_way)), color);
+  }
+
   /// RayView::shade: `certainty`, 0 to 1, says how much of a surface it is.
   template <typename PointAt>
   HWY_INLINE Shade shade_certain(const Vec3v& gradient, Float certainty, const Vec3v& to_eye,
@@ -123,15 +143,22 @@ class Shading {
   template <typename PointAt>
   HWY_INLINE Shade shade_scaled(const Vec3v& gradient, Float scale, const Vec3v& to_eye,
                                 const FarHalves& halves, const PointAt& point_at) const {
+    Float per_length, certain;
+    measure(gradient, scale, per_length, certain);
+    return shade_unit(gradient, per_length, certain, to_eye, halves, point_at);
+  }
+
+  HWY_INLINE void measure(const Vec3v& gradient, Float scale, Float& per_length, Float& certain) const {
     // What is certainly a surface, and what has no normal and is none: more and less would be no numbers.
     constexpr float kCertain = 1e15f, kFlat = std::numeric_limits<float>::min();
     const Float steep2 = hn::Min(hn::Mul(hn::Mul(scale, scale), dot(gradient, gradient)), all(kCertain));
     const Float steepness = hn::Sqrt(hn::Max(world_length2(gradient), all(kFlat)));
-    // One division for two: of steep2 / (steep2 + 1), the certainty, and of 1 / steepness.
+    // One division for two: of steep2 / (steep2 + 1), the certainty, and of 1 / steepness. (Approximations
+    // and a step of Newton's take longer: what divides does nothing else.)
     const Float above = hn::Add(steep2, all(1));
     const Float both = hn::Div(all(1), hn::Mul(above, steepness));
-    const Float per_length = hn::Mul(above, both), certain = hn::Mul(hn::Mul(steep2, steepness), both);
-    return shade_unit(gradient, per_length, certain, to_eye, halves, point_at);
+    per_length = hn::Mul(above, both);
+    certain = hn::Mul(hn::Mul(steep2, steepness), both);
   }
 
   /// `per_length` makes the gradient one of unit length in the world.
