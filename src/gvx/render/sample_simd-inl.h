@@ -346,8 +346,9 @@ class VisibleCells {
     const float scale = (1 - kMoved / 2) * kCellsAcross / static_cast<float>(edge);
     scale_ = all(scale);
     // Added to it, a power of two has a place as a whole number of its last bits: two of which are the cell.
-    const auto begin_at = [&](int exponent)
-                              HWY_ATTR { return all(static_cast<float>(1 << exponent) + kMoved - 0.5f * scale); };
+    const auto begin_at = [&](int exponent) HWY_ATTR {
+      return all(static_cast<float>(1 << exponent) + kMoved - 0.5f * scale);
+    };
     first_ = {begin_at(23 - kBit), begin_at(21 - kBit), begin_at(19 - kBit)};
 #if HWY_TARGET == HWY_AVX3
     low_ = _mm512_movm_epi16(static_cast<__mmask32>(cells & 0xffffffffu));
@@ -417,7 +418,8 @@ HWY_INLINE void cell_samples_at(const Texels& texels, int edge, const PlaceOf& p
     weight[k] = place.weight;
   }
   typename Texels::Raw raw[kVectors];
-  GVX_UNROLL for (int k = 0; k < kVectors; ++k) raw[k] = texels.load(index[k], edge + 2, (edge + 2) * (edge + 2));
+  GVX_UNROLL for (int k = 0; k < kVectors; ++k) raw[k] =
+      texels.load(index[k], edge + 2, (edge + 2) * (edge + 2));
   GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
     const Corners at = Texels::corners(raw[k]);
     const auto& c = at.corner;
@@ -468,7 +470,8 @@ class SamplesInside {
   template <int kVectors>
   HWY_INLINE void find(const Vec3v (&texel)[kVectors], CellSample (&samples)[kVectors]) const {
     cell_samples_at(
-        texels_, edge_, [&](int k) HWY_ATTR { return TexelPlace::inside(texel[k], edge_); }, kGradient, samples);
+        texels_, edge_, [&](int k) HWY_ATTR { return TexelPlace::inside(texel[k], edge_); }, kGradient,
+        samples);
   }
 
  private:
@@ -500,7 +503,8 @@ class SamplesInside<QuadTexels, false> {
       const Int upper = hn::And(hn::BitCast(kInts, bits_of_z), all_ints(2 * kOne - 1));
       weights[k] = hn::Add(hn::ShiftLeft<16>(upper), hn::Sub(all_ints(kOne), upper));
       const Float at = hn::MulAdd(z, slice_, hn::MulAdd(y, row_, hn::Add(x, all(kFirst))));
-      raw[k] = texels_.load(TexelPlace::held(hn::Sub(hn::BitCast(kInts, at), all_ints(kFirstBits)), last_), 0, 0);
+      raw[k] =
+          texels_.load(TexelPlace::held(hn::Sub(hn::BitCast(kInts, at), all_ints(kFirstBits)), last_), 0, 0);
     }
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
       const Float wx = weight_x[k], wy = weight_y[k], unit = all(1.0f / kOne);

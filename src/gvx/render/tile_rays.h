@@ -28,9 +28,9 @@ struct TileRays {
   /// In tree space, from the eye; t is the distance in the world.
   alignas(64) double origin[3][kRoom];  ///< number 0 is that of all where one_origin
   alignas(64) double direction[3][kRoom];
-  alignas(64) double inverse[3][kRoom];  ///< of the direction; finite
-  alignas(64) double enter[kRoom];       ///< the visible volume
-  alignas(64) double exit[kRoom];        ///< no more than `enter`: has nothing to go through
+  alignas(64) double inverse[3][kRoom];       ///< of the direction; finite
+  alignas(64) double enter[kRoom];            ///< the visible volume
+  alignas(64) double exit[kRoom];             ///< no more than `enter`: has nothing to go through
   alignas(64) double world_origin[3][kRoom];  ///< the same
   bool one_origin = false;
   alignas(64) float to_eye[kMost][4];  ///< unit, in the world; x, y, z and 0

@@ -250,8 +250,8 @@ HWY_INLINE void put_places(const TileRays& rays, Double centre, Double t_step, s
   HalfFloat place[4], per_step[4];
   for (int axis = 0; axis < 3; ++axis) {
     const Double way = hn::PromoteTo(kDoubles, hn::Load(kHalfFloats, lanes[axis]));
-    const Double from = rays.one_origin ? all(rays.world_origin[axis][0])
-                                        : hn::Load(kDoubles, rays.world_origin[axis] + r);
+    const Double from =
+        rays.one_origin ? all(rays.world_origin[axis][0]) : hn::Load(kDoubles, rays.world_origin[axis] + r);
     place[axis] = to_floats(hn::Add(from, hn::Mul(centre, way)));
     per_step[axis] = to_floats(hn::Mul(way, t_step));
   }
