@@ -17,6 +17,7 @@
 
 #include <hwy/highway.h>
 
+#include "gvx/render/simd_targets.h"
 #include "gvx/render/stretch_batch.h"
 #include "gvx/render/visible_cells.h"
 
