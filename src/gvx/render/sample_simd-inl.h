@@ -10,6 +10,11 @@
 #define GVX_RENDER_SAMPLE_SIMD_INL_H
 #endif
 
+// Before any of Highway.
+// clang-format off
+#include "gvx/render/simd_targets.h"
+// clang-format on
+
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -17,7 +22,6 @@
 
 #include <hwy/highway.h>
 
-#include "gvx/render/simd_targets.h"
 #include "gvx/render/stretch_batch.h"
 #include "gvx/render/visible_cells.h"
 
