@@ -10,11 +10,6 @@
 #define GVX_RENDER_SAMPLE_SIMD_INL_H
 #endif
 
-// Before any of Highway.
-// clang-format off
-#include "gvx/render/simd_targets.h"
-// clang-format on
-
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -23,6 +18,7 @@
 #include <hwy/highway.h>
 
 #include "gvx/render/stretch_batch.h"
+#include "gvx/render/unroll.h"
 #include "gvx/render/visible_cells.h"
 
 HWY_BEFORE_NAMESPACE();

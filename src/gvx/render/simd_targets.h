@@ -17,6 +17,3 @@
 // What one vector waits for, the others fill.
 #define GVX_VECTORS_SIDE_BY_SIDE 4
 #endif
-
-/// Before a loop over vectors side by side: what is kept of each stays in registers.
-#define GVX_UNROLL _Pragma("GCC unroll 4")

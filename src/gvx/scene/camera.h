@@ -50,7 +50,9 @@ struct CameraView {
   GVX_HD Ray pixel_ray_from_eye(double x, double y) const {
     const Vec3d across = (x + 0.5 - half_width) * pixel * right + (half_height - y - 0.5) * pixel * up;
     if (orthographic) return {across, forward};
-    return {{}, normalize(forward + across)};
+    const Vec3d way = forward + across;
+    // One division.
+    return {{}, 1 / length(way) * way};
   }
 };
 
