@@ -68,6 +68,7 @@ double roof(const render::FrameView& frame, ValueRange range, std::uint32_t m) {
       const float row[8] = {x * float(m), y * float(m),           0.25f, float(2 * m), 0, 0,
                             0.5f,         std::bit_cast<float>(i)};
       std::copy_n(row, 8, batch->fine.row[i]);
+      batch->length[i] = static_cast<std::uint8_t>(2 * m);
       to_eye[4 * i + 2] = -1;
       batch->order[i] = static_cast<std::int32_t>(i);
     }
