@@ -8,7 +8,7 @@
 namespace gvx::exec {
 
 /// Owns bytes at a multiple of kAlignment. Pages cost nothing until they are written. A renderer goes to and
-/// fro in hundreds of megabytes: in pages of 4 KB its processor would look half of them up anew.
+/// fro in hundreds of megabytes, of which a processor keeps in mind but a few thousand pages.
 class HostMemory {
  public:
   /// A cache line's: what is made of such pieces straddles none.

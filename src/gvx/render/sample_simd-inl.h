@@ -118,18 +118,12 @@ struct TexelPlace {
   /// the first.
   HWY_INLINE static TexelPlace inside(const Vec3v& texel, int edge) {
     const Float x = hn::Floor(texel.x), y = hn::Floor(texel.y), z = hn::Floor(texel.z);
-    return {held(index_of(x, y, z, edge), all_ints(last(edge))),
-            {hn::Sub(texel.x, x), hn::Sub(texel.y, y), hn::Sub(texel.z, z)}};
-  }
-  /// Whatever comes, nothing outside of the brick is read.
-  HWY_INLINE static Int held(Int index, Int last) {
+    // Whatever comes, nothing outside of it is read.
     const hn::RebindToUnsigned<Ints> bits;
-    return hn::BitCast(kInts, hn::Min(hn::BitCast(bits, index), hn::BitCast(bits, last)));
-  }
-  /// The greatest index.
-  HWY_INLINE static std::int32_t last(int edge) {
     const int row = edge + 2;
-    return edge * (row * row + row + 1);
+    const auto last = hn::Set(bits, static_cast<std::uint32_t>(edge * (row * row + row + 1)));
+    const Int at = hn::BitCast(kInts, hn::Min(hn::BitCast(bits, index_of(x, y, z, edge)), last));
+    return {at, {hn::Sub(texel.x, x), hn::Sub(texel.y, y), hn::Sub(texel.z, z)}};
   }
 
   /// Floats hold it exactly: a brick of 32 has 39304 texels.
@@ -485,11 +479,7 @@ class SamplesInside {
 template <>
 class SamplesInside<QuadTexels, false> {
  public:
-  HWY_INLINE SamplesInside(const QuadTexels& texels, int edge)
-      : texels_(texels),
-        row_(all(static_cast<float>(edge + 2))),
-        slice_(all(static_cast<float>((edge + 2) * (edge + 2)))),
-        last_(all_ints(TexelPlace::last(edge))) {}
+  HWY_INLINE SamplesInside(const QuadTexels& texels, int edge) : texels_(texels), edge_(edge) {}
 
   template <int kVectors>
   HWY_INLINE void find(const Vec3v (&texel)[kVectors], CellSample (&samples)[kVectors]) const {
@@ -497,15 +487,13 @@ class SamplesInside<QuadTexels, false> {
     Float weight_x[kVectors], weight_y[kVectors];
     QuadTexels::Raw raw[kVectors];
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
-      const Float x = hn::Floor(texel[k].x), y = hn::Floor(texel[k].y), z = hn::Floor(texel[k].z);
-      weight_x[k] = hn::Sub(texel[k].x, x);
-      weight_y[k] = hn::Sub(texel[k].y, y);
-      const Float bits_of_z = hn::Add(hn::Sub(texel[k].z, z), all(kFirstOfWeights));
+      const TexelPlace place = TexelPlace::inside(texel[k], edge_);
+      weight_x[k] = place.weight.x;
+      weight_y[k] = place.weight.y;
+      const Float bits_of_z = hn::Add(place.weight.z, all(kFirstOfWeights));
       const Int upper = hn::And(hn::BitCast(kInts, bits_of_z), all_ints(2 * kOne - 1));
       weights[k] = hn::Add(hn::ShiftLeft<16>(upper), hn::Sub(all_ints(kOne), upper));
-      const Float at = hn::MulAdd(z, slice_, hn::MulAdd(y, row_, hn::Add(x, all(kFirst))));
-      raw[k] =
-          texels_.load(TexelPlace::held(hn::Sub(hn::BitCast(kInts, at), all_ints(kFirstBits)), last_), 0, 0);
+      raw[k] = texels_.load(place.index, 0, 0);
     }
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
       const Float wx = weight_x[k], wy = weight_y[k], unit = all(1.0f / kOne);
@@ -518,8 +506,6 @@ class SamplesInside<QuadTexels, false> {
  private:
   static constexpr float kFirstOfWeights = 1 << 9;  // from here on the last of a float's bits is a 2^14th
   static constexpr int kOne = 1 << 14;
-  static constexpr float kFirst = 1 << 23;  // and here 1
-  static constexpr std::int32_t kFirstBits = 0x4b000000;
 
   /// Of the texels at y, in the lower half that at z.
   HWY_INLINE static Int even(Int quad) { return hn::And(quad, all_ints(0x00ff00ff)); }
@@ -537,8 +523,7 @@ class SamplesInside<QuadTexels, false> {
   }
 
   const QuadTexels texels_;
-  const Float row_, slice_;
-  const Int last_;
+  const int edge_;
 };
 
 template <int kVectors>

@@ -30,7 +30,7 @@ struct Workspace {
 inline Workspace& this_threads_workspace() {
   thread_local const exec::HostMemory memory(sizeof(Workspace));
   static_assert(alignof(Workspace) <= exec::HostMemory::kAlignment);
-  thread_local Workspace* const workspace = new (memory.data()) Workspace;
+  thread_local Workspace* const workspace = new (memory.data()) Workspace();
   return *workspace;
 }
 

@@ -252,6 +252,12 @@ class Faces {
   Double low_[3], high_[3];
 };
 
+/// Along an axis, of rays from `r` on.
+HWY_INLINE Double origin_of(const TileRays& rays, const double (&along_axis)[TileRays::kRoom],
+                            std::size_t r) {
+  return rays.one_origin ? all(along_axis[0]) : hn::Load(kDoubles, along_axis + r);
+}
+
 /// Calls function(r) for each vector of a rectangle's rays in which any is active.
 template <typename Function>
 HWY_INLINE void for_vectors(const ActiveRays& active, const TileRect& rect, const Function& function) {
@@ -287,8 +293,7 @@ HWY_INLINE void put_places(const TileRays& rays, Double centre, Double t_step, s
   HalfFloat place[4], per_step[4];
   for (int axis = 0; axis < 3; ++axis) {
     const Double way = hn::PromoteTo(kDoubles, hn::Load(kHalfFloats, lanes[axis]));
-    const Double from =
-        rays.one_origin ? all(rays.world_origin[axis][0]) : hn::Load(kDoubles, rays.world_origin[axis] + r);
+    const Double from = origin_of(rays, rays.world_origin[axis], r);
     place[axis] = to_floats(hn::Add(from, hn::Mul(centre, way)));
     per_step[axis] = to_floats(hn::Mul(way, t_step));
   }
@@ -385,8 +390,7 @@ void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const
 
     Double p[3];
     for (int axis = 0; axis < 3; ++axis) {
-      const Double origin =
-          rays.one_origin ? all(rays.origin[axis][0]) : hn::Load(kDoubles, rays.origin[axis] + r);
+      const Double origin = origin_of(rays, rays.origin[axis], r);
       p[axis] = hn::Add(origin, hn::Mul(centre, hn::Load(kDoubles, rays.direction[axis] + r)));
     }
     const auto numbers = hn::Add(first_numbers, hn::Set(kHalfInts, static_cast<std::int32_t>(r)));
@@ -574,38 +578,6 @@ void gather_stretches(const FrameView& frame, const ActiveRays& active, const No
                       const TileRect& rect, const StretchesWanted& wanted, TileRays& rays,
                       StretchBatch& batch) {
   HWY_DYNAMIC_DISPATCH(gather_stretches_of)(frame, active, node, rect, wanted, rays, batch);
-}
-
-void StretchBatch::put_in_order() {
-  // Two halves of the rows, each with its own counts: of one, each would wait for the row before.
-  std::uint16_t first[256][2] = {};
-  const std::uint32_t half = count / 2;
-  unsigned longest = 0;
-  const auto count_row = [&](std::uint32_t i, int which) {
-    ++first[length[i]][which];
-    longest = std::max<unsigned>(longest, length[i]);
-  };
-  for (std::uint32_t i = 0; i < half; ++i) {
-    count_row(i, 0);
-    count_row(half + i, 1);
-  }
-  if (count % 2 != 0) count_row(count - 1, 1);
-  std::uint16_t sum = 0;
-  for (unsigned steps = 0; steps <= longest; ++steps) {
-    for (std::uint16_t& begin : first[steps]) {
-      const std::uint16_t here = begin;
-      begin = sum;
-      sum = static_cast<std::uint16_t>(sum + here);
-    }
-  }
-  const auto put_row = [&](std::uint32_t i, int which) {
-    order[first[length[i]][which]++] = static_cast<std::int32_t>(i);
-  };
-  for (std::uint32_t i = 0; i < half; ++i) {
-    put_row(i, 0);
-    put_row(half + i, 1);
-  }
-  if (count % 2 != 0) put_row(count - 1, 1);
 }
 
 }  // namespace gvx::render

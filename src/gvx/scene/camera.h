@@ -51,7 +51,7 @@ struct CameraView {
     const Vec3d across = (x + 0.5 - half_width) * pixel * right + (half_height - y - 0.5) * pixel * up;
     if (orthographic) return {across, forward};
     const Vec3d way = forward + across;
-    // One division.
+    // One division, as tile_rays_simd.cpp has it.
     return {{}, 1 / length(way) * way};
   }
 };
