@@ -125,20 +125,19 @@ class BatchLanes {
     opacity = hn::BitCast(kFloats, part[3]);
   }
   HWY_INLINE void store(StretchBatch& batch, const Vec3v& color, Float opacity, Int more_samples) const {
-    alignas(64) float lanes[4][kLanes];
+    if (valid_ == 0) return;
+    const Int numbers[4] = {hn::BitCast(kInts, color.x), hn::BitCast(kInts, color.y),
+                            hn::BitCast(kInts, color.z), hn::BitCast(kInts, opacity)};
+    store_rows(numbers, ray_, reinterpret_cast<std::byte*>(batch.gathered));
     alignas(64) std::int32_t samples[kLanes];
-    hn::Store(color.x, kFloats, lanes[0]);
-    hn::Store(color.y, kFloats, lanes[1]);
-    hn::Store(color.z, kFloats, lanes[2]);
-    hn::Store(opacity, kFloats, lanes[3]);
     hn::Store(more_samples, kInts, samples);
-    for (std::size_t i = 0; i < valid_; ++i) {
-      const std::size_t ray = static_cast<std::size_t>(ray_[i]) / sizeof(float[4]);
-      for (std::size_t k = 0; k < 4; ++k) batch.gathered[ray][k] = lanes[k][i];
-      batch.samples[ray] += samples[i];
-      batch.opaque[batch.opaque_count] = static_cast<std::int32_t>(ray);
-      batch.opaque_count += lanes[3][i] >= kOpaque ? 1 : 0;
-    }
+    for (std::size_t i = 0; i < valid_; ++i)
+      batch.samples[static_cast<std::size_t>(ray_[i]) / sizeof(float[4])] += samples[i];
+    const Mask opaque = hn::And(valid(), hn::Ge(opacity, all(kOpaque)));
+    if (none(opaque)) return;
+    const Int rays = hn::Compress(hn::ShiftRight<4>(hn::Load(kInts, ray_)), hn::RebindMask(kInts, opaque));
+    hn::StoreU(rays, kInts, batch.opaque + batch.opaque_count);
+    batch.opaque_count += static_cast<std::uint32_t>(hn::CountTrue(kFloats, opaque));
   }
 
   /// Appends the rows of a mask's lanes to a list; `numbers` are what they wait with.

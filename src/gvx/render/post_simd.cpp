@@ -23,12 +23,48 @@ namespace {
 /// What lights there are; one: by Shading::by_one.
 enum class Lit { no, by_one, by_any };
 
+/// Which rows of FrameView::step_colors values are classified by: Function::nearest, in fewer operations.
+class StepRows {
+ public:
+  /// Of values in multiples of `unit`.
+  HWY_INLINE StepRows(const scene::TransferView& function, float unit)
+      : scale_(all(function.to_entry_scale * unit)),
+        offset_(all(kFirst + 0.5f + function.to_entry_offset)),
+        first_visible_(all(kFirst + 0.5f + function.first_visible)),
+        last_visible_(all(kFirst + 0.5f + function.last_visible)),
+        first_(hn::BitCast(kInts, all(kFirst))),
+        last_(hn::BitCast(kInts, all(kFirst + static_cast<float>(function.entries - 1)))) {}
+
+  /// The entry, half an entry and kFirst.
+  HWY_INLINE Float place_of(Float value) const { return hn::MulAdd(value, scale_, offset_); }
+  HWY_INLINE Mask visible(Float place) const {
+    return hn::And(hn::Gt(place, first_visible_), hn::Lt(place, last_visible_));
+  }
+  /// In bytes. Whatever place is no number has one, too.
+  HWY_INLINE Int offset_of(Float place) const {
+    const Int held = hn::Min(hn::Max(hn::BitCast(kInts, place), first_), last_);
+    return hn::And(hn::ShiftRight<kPlaceBits - kRowBits>(held), all_ints((kMostEntries - 1) << kRowBits));
+  }
+
+ private:
+  static constexpr int kMostEntries = 8192, kRowBits = 4;
+  /// From here on a float's last bits are the fraction of an entry; those before them are a whole number.
+  static constexpr float kFirst = kMostEntries;
+  static constexpr int kPlaceBits = 10;
+  static_assert(kMostEntries << kPlaceBits == 1 << 23 && scene::TransferView::kEntries <= kMostEntries);
+  static_assert(sizeof(StepColor) == 1 << kRowBits);
+
+  const Float scale_, offset_, first_visible_, last_visible_;
+  const Int first_, last_;
+};
+
 /// The rays of so many vectors, and what they go through. kPlain: one brick; else two that are blended.
 template <typename Texels, bool kPlain, Lit kLit, int kVectors>
 class Post {
  public:
   static constexpr bool kIsLit = kLit != Lit::no;
   using Lights = Shading<Texels::kWhole>;
+  using Samples = SamplesInside<Texels, kIsLit>;
 
   HWY_INLINE Post(const FrameView& frame, const Lights& lights, StretchBatch& batch,
                   const BatchLanes (&lanes)[kVectors], const Texels& fine, const Texels& coarse)
@@ -45,7 +81,8 @@ class Post {
     const bool all_cells = batch_.cells == ~std::uint64_t(0);
     const Float opaque = all(kOpaque), one = all(1);
     const VisibleCells visible(batch_.cells, edge_);
-    const SamplesInside<Texels, kIsLit> fine(fine_, edge_), coarse(coarse_, edge_);
+    const Samples fine(fine_, edge_), coarse(coarse_, edge_);
+    const StepRows rows(function_, Samples::kUnit);
     const std::byte* table = reinterpret_cast<const std::byte*>(
         frame_.step_colors + std::size_t(batch_.level) * scene::TransferView::kEntries);
     PathRows path[kVectors];
@@ -64,78 +101,102 @@ class Post {
       if constexpr (kIsLit) lights_.find_halves(to_eye[k], halves[k]);
     }
     const float last = hn::GetLane(hn::MaxOfLanes(kFloats, most));
-    for (float step = 0; step < last; step += 1) {
-      const Float i = all(step);
-      Mask active[kVectors];
-      GVX_UNROLL for (int k = 0; k < kVectors; ++k) active[k] =
-          hn::And(hn::Lt(i, end[k]), hn::Lt(opacity[k], opaque));
-      if (none_of(active)) break;
-      // Of rays that have ended the last, which is in the brick.
-      Vec3v texel[kVectors];
-      GVX_UNROLL for (int k = 0; k < kVectors; ++k) texel[k] = path[k].at(hn::Min(i, last_step[k]));
-      if (!all_cells) {
+    // To look for what steps see waits for nothing that was gathered: all go on at once.
+    Found found[kSteps];
+    for (float step = 0; step < last; step += kSteps) {
+      Mask going[kVectors];
+      GVX_UNROLL for (int k = 0; k < kVectors; ++k) going[k] = hn::Lt(opacity[k], opaque);
+      if (none_of(going)) break;
+      for (int c = 0; c < kSteps; ++c) {
+        const Float i = all(step + static_cast<float>(c));
+        Found& f = found[c];
+        // Of rays that have ended the last, which is in the brick.
+        Vec3v texel[kVectors];
         GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
-          active[k] = hn::And(active[k], visible.at(texel[k]));
+          f.active[k] = hn::And(hn::Lt(i, end[k]), going[k]);
+          texel[k] = path[k].at(hn::Min(i, last_step[k]));
         }
-        if (none_of(active)) continue;
-      }
-      CellSample sample[kVectors];
-      Float blend[kVectors];
-      fine.find(texel, sample);
-      if constexpr (!kPlain) blend_in_coarse(coarse, i, last_step, blend, sample);
-      Float entry[kVectors];
-      Mask seen[kVectors];
-      GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
-        samples[k] = hn::Sub(samples[k], hn::VecFromMask(kInts, hn::RebindMask(kInts, active[k])));
-        entry[k] = function_.entry_of(sample[k].value);
-        seen[k] = hn::And(active[k], function_.visible(entry[k]));
-      }
-      if (none_of(seen)) continue;
-      const auto add_step = [&](int k) HWY_ATTR {
-        static_assert(sizeof(StepColor) == 16);
-        alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
-        store_offsets(hn::ShiftLeft<4>(function_.nearest(entry[k])), offsets);
-        Int bits[4];
-        load_rows(table, offsets, bits);
-        const Vec3v step_color = PathRows::vec3(bits);
-        const Float step_opacity = hn::BitCast(kFloats, bits[3]);
-        const Float weight = hn::IfThenElseZero(seen[k], hn::Mul(hn::Sub(one, opacity[k]), step_opacity));
-        if constexpr (kIsLit) {
-          const auto gather_color = [&](Float& sum, Float color_of, Float body, Float glint) HWY_ATTR {
-            const Float more = hn::MulAdd(weight, hn::MulAdd(color_of, body, glint), sum);
-            // Of whole numbers every shade is a number, and nothing of it is nothing.
-            sum = Texels::kWhole ? more : hn::IfThenElse(seen[k], more, sum);
-          };
-          if constexpr (kLit == Lit::by_one) {
-            Float body, glint;
-            lights_.shade_by_one(sample[k].gradient, all(batch_.fine.gradient_scale), halves[k], body, glint);
-            gather_color(color[k].x, step_color.x, body, glint);
-            gather_color(color[k].y, step_color.y, body, glint);
-            gather_color(color[k].z, step_color.z, body, glint);
-          } else {
-            const Shade light = shade_at(i, sample[k], blend[k], lanes_[k], to_eye[k], halves[k]);
-            gather_color(color[k].x, step_color.x, light.body.x, light.glint.x);
-            gather_color(color[k].y, step_color.y, light.body.y, light.glint.y);
-            gather_color(color[k].z, step_color.z, light.body.z, light.glint.z);
+        if (!all_cells) {
+          GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
+            f.active[k] = hn::And(f.active[k], visible.at(texel[k]));
           }
-        } else {
-          color[k].x = hn::MulAdd(weight, step_color.x, color[k].x);
-          color[k].y = hn::MulAdd(weight, step_color.y, color[k].y);
-          color[k].z = hn::MulAdd(weight, step_color.z, color[k].z);
         }
-        opacity[k] = hn::Add(opacity[k], weight);
-      };
-      if constexpr (kLit == Lit::by_any) {
-        // All lights' numbers of one vector fill the registers.
-        for (int k = 0; k < kVectors; ++k) add_step(k);
-      } else {
-        GVX_UNROLL for (int k = 0; k < kVectors; ++k) add_step(k);
+        f.sees = false;
+        if (none_of(f.active)) continue;
+        CellSample sample[kVectors];
+        Float blend[kVectors];
+        fine.find(texel, sample);
+        if constexpr (!kPlain) blend_in_coarse(coarse, i, last_step, blend, sample);
+        GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
+          const Float place = rows.place_of(sample[k].value);
+          f.seen[k] = hn::And(f.active[k], rows.visible(place));
+          hn::Store(rows.offset_of(place), kInts, f.offset[k]);
+        }
+        f.sees = !none_of(f.seen);
+        if constexpr (kIsLit) {
+          if (!f.sees) continue;
+          if constexpr (kLit == Lit::by_one) {
+            GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
+              lights_.shade_by_one(sample[k].gradient, all(batch_.fine.gradient_scale), halves[k],
+                                   f.light[k].body, f.light[k].glint);
+            }
+          } else {
+            // All lights' numbers of one vector fill the registers.
+            for (int k = 0; k < kVectors; ++k) {
+              f.light[k] = shade_at(i, sample[k], blend[k], lanes_[k], to_eye[k], halves[k]);
+            }
+          }
+        }
+      }
+      for (int c = 0; c < kSteps; ++c) {
+        const Found& f = found[c];
+        Mask sees[kVectors];
+        GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
+          sees[k] = hn::Lt(opacity[k], opaque);
+          const Mask counts = hn::And(f.active[k], sees[k]);
+          samples[k] = hn::Sub(samples[k], hn::VecFromMask(kInts, hn::RebindMask(kInts, counts)));
+        }
+        if (!f.sees) continue;
+        GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
+          const Mask seen = hn::And(f.seen[k], sees[k]);
+          Int bits[4];
+          load_rows(table, f.offset[k], bits);
+          const Vec3v step_color = PathRows::vec3(bits);
+          const Float step_opacity = hn::BitCast(kFloats, bits[3]);
+          const Float weight = hn::IfThenElseZero(seen, hn::Mul(hn::Sub(one, opacity[k]), step_opacity));
+          const auto add = [&](Float& sum, Float shown) HWY_ATTR {
+            const Float more = hn::MulAdd(weight, shown, sum);
+            // Of whole numbers every shade is a number, and nothing of it is nothing.
+            sum = !kIsLit || Texels::kWhole ? more : hn::IfThenElse(seen, more, sum);
+          };
+          add(color[k].x, lit<0>(f.light[k], step_color.x));
+          add(color[k].y, lit<1>(f.light[k], step_color.y));
+          add(color[k].z, lit<2>(f.light[k], step_color.z));
+          opacity[k] = hn::Add(opacity[k], weight);
+        }
       }
     }
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) lanes_[k].store(batch_, color[k], opacity[k], samples[k]);
   }
 
  private:
+  struct NoLight {};
+  struct GrayLight {
+    Float body, glint;
+  };
+  using Light =
+      std::conditional_t<kLit == Lit::no, NoLight, std::conditional_t<kLit == Lit::by_one, GrayLight, Shade>>;
+
+  /// So many are looked for at once; lit, where each finds more numbers to keep, that is no gain.
+  static constexpr int kSteps = kIsLit ? 1 : 2;
+  /// What a step sees, if its ray is not opaque before.
+  struct Found {
+    Mask active[kVectors], seen[kVectors];
+    bool sees;  // any of them
+    alignas(64) std::int32_t offset[kVectors][hn::MaxLanes(kInts)];
+    Light light[kVectors];
+  };
+
   /// From the centre of the brick's first texel.
   HWY_INLINE static PathRows in_texels(PathRows path) {
     const Float half = all(0.5f);
@@ -143,9 +204,8 @@ class Post {
     return path;
   }
 
-  HWY_INLINE void blend_in_coarse(const SamplesInside<Texels, kIsLit>& coarse_samples, Float i,
-                                  const Float (&last_step)[kVectors], Float (&blend)[kVectors],
-                                  CellSample (&sample)[kVectors]) const {
+  HWY_INLINE void blend_in_coarse(const Samples& coarse_samples, Float i, const Float (&last_step)[kVectors],
+                                  Float (&blend)[kVectors], CellSample (&sample)[kVectors]) const {
     Vec3v texel[kVectors];
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
       const PathRows path = in_texels(lanes_[k].coarse(batch_));
@@ -157,6 +217,21 @@ class Post {
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
       sample[k].value = mix(sample[k].value, coarse[k].value, blend[k]);
       if constexpr (kIsLit) sample[k].gradient = mix(sample[k].gradient, coarse[k].gradient, blend[k]);
+    }
+  }
+
+  template <int kPart>
+  HWY_INLINE static Float lit([[maybe_unused]] const Light& light, Float of_step) {
+    if constexpr (kLit == Lit::no) {
+      return of_step;
+    } else if constexpr (kLit == Lit::by_one) {
+      return hn::MulAdd(of_step, light.body, light.glint);
+    } else if constexpr (kPart == 0) {
+      return hn::MulAdd(of_step, light.body.x, light.glint.x);
+    } else if constexpr (kPart == 1) {
+      return hn::MulAdd(of_step, light.body.y, light.glint.y);
+    } else {
+      return hn::MulAdd(of_step, light.body.z, light.glint.z);
     }
   }
 
@@ -172,7 +247,7 @@ class Post {
   const Lights& lights_;
   StretchBatch& batch_;
   const BatchLanes (&lanes_)[kVectors];
-  const Function function_;
+  const scene::TransferView& function_;
   const int edge_;
   const Texels &fine_, &coarse_;
 };

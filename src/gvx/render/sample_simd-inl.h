@@ -114,27 +114,18 @@ struct TexelPlace {
     weight = {hn::Sub(x, low_x), hn::Sub(y, low_y), hn::Sub(z, low_z)};
     index = index_of(low_x, low_y, low_z, edge);
   }
-  /// Of a place that is certain to be in the brick, but for rounding; counted in texels from the centre of
-  /// the first.
-  HWY_INLINE static TexelPlace inside(const Vec3v& texel, int edge) {
-    const Float x = hn::Floor(texel.x), y = hn::Floor(texel.y), z = hn::Floor(texel.z);
-    // Whatever comes, nothing outside of it is read.
-    const hn::RebindToUnsigned<Ints> bits;
-    const int row = edge + 2;
-    const auto last = hn::Set(bits, static_cast<std::uint32_t>(edge * (row * row + row + 1)));
-    const Int at = hn::BitCast(kInts, hn::Min(hn::BitCast(bits, index_of(x, y, z, edge)), last));
-    return {at, {hn::Sub(texel.x, x), hn::Sub(texel.y, y), hn::Sub(texel.z, z)}};
-  }
+  HWY_INLINE TexelPlace(Int at, const Vec3v& weights) : index(at), weight(weights) {}
 
   /// Floats hold it exactly: a brick of 32 has 39304 texels.
+  HWY_INLINE static Int index_of(Float x, Float y, Float z, Float row, Float slice) {
+    return whole(hn::MulAdd(z, slice, hn::MulAdd(y, row, x)));
+  }
   HWY_INLINE static Int index_of(Float x, Float y, Float z, int edge) {
     const auto row = static_cast<float>(edge + 2);
-    return whole(hn::MulAdd(z, all(row * row), hn::MulAdd(y, all(row), x)));
+    return index_of(x, y, z, all(row), all(row * row));
   }
 
  private:
-  HWY_INLINE TexelPlace(Int at, const Vec3v& weights) : index(at), weight(weights) {}
-
   HWY_INLINE static Float held(Float position, int edge) {
     return hn::Min(hn::Max(hn::Add(position, all(0.5f)), hn::Zero(kFloats)),
                    all(static_cast<float>(edge + 1)));
@@ -143,6 +134,48 @@ struct TexelPlace {
     return hn::Min(hn::Floor(texel), all(static_cast<float>(edge)));
   }
 };
+
+/// The same of places that are certain to be in the brick, but for rounding; counted in texels from the
+/// centre of the first.
+class PlacesInside {
+ public:
+  HWY_INLINE explicit PlacesInside(int edge) {
+    const int row = edge + 2;
+    row_ = all(static_cast<float>(row));
+    slice_ = all(static_cast<float>(row * row));
+    last_ = hn::Set(kBits, static_cast<std::uint32_t>(edge * (row * row + row + 1)));
+  }
+
+  HWY_INLINE TexelPlace at(const Vec3v& texel) const {
+    const Float x = hn::Floor(texel.x), y = hn::Floor(texel.y), z = hn::Floor(texel.z);
+    const Int index = TexelPlace::index_of(x, y, z, row_, slice_);
+    // Whatever comes, nothing outside of the brick is read.
+    const Int held = hn::BitCast(kInts, hn::Min(hn::BitCast(kBits, index), last_));
+    return {held, {hn::Sub(texel.x, x), hn::Sub(texel.y, y), hn::Sub(texel.z, z)}};
+  }
+
+ private:
+  static constexpr hn::RebindToUnsigned<Ints> kBits{};
+
+  Float row_, slice_;
+  hn::Vec<hn::RebindToUnsigned<Ints>> last_;
+};
+
+#if HWY_TARGET != HWY_SCALAR
+/// Turns four vectors of 4 x 4 numbers in each block of 128 bits: rows for columns.
+HWY_INLINE void turn(const Int rows[4], Int columns[4]) {
+  const hn::RepartitionToWide<Ints> pairs;
+  const auto pair = [&](Int v) HWY_ATTR { return hn::BitCast(pairs, v); };
+  const Int a = hn::InterleaveLower(kInts, rows[0], rows[1]),
+            b = hn::InterleaveUpper(kInts, rows[0], rows[1]);
+  const Int c = hn::InterleaveLower(kInts, rows[2], rows[3]),
+            d = hn::InterleaveUpper(kInts, rows[2], rows[3]);
+  columns[0] = hn::BitCast(kInts, hn::InterleaveLower(pairs, pair(a), pair(c)));
+  columns[1] = hn::BitCast(kInts, hn::InterleaveUpper(pairs, pair(a), pair(c)));
+  columns[2] = hn::BitCast(kInts, hn::InterleaveLower(pairs, pair(b), pair(d)));
+  columns[3] = hn::BitCast(kInts, hn::InterleaveUpper(pairs, pair(b), pair(d)));
+}
+#endif
 
 /// Four 32-bit numbers of each lane, table + offset in bytes onwards: out[i] has the i-th of every lane. Rows
 /// are loaded whole and turned, which is several times as fast as gathering.
@@ -174,16 +207,39 @@ HWY_INLINE void load_rows(const std::byte* table, const std::int32_t* offsets, I
         hn::Combine(kInts, hn::Combine(half, row(12 + i), row(8 + i)), hn::Combine(half, row(4 + i), row(i)));
 #endif
   }
-  const hn::RepartitionToWide<Ints> pairs;
-  const auto pair = [&](Int v) HWY_ATTR { return hn::BitCast(pairs, v); };
-  const Int a = hn::InterleaveLower(kInts, part[0], part[1]),
-            b = hn::InterleaveUpper(kInts, part[0], part[1]);
-  const Int c = hn::InterleaveLower(kInts, part[2], part[3]),
-            d = hn::InterleaveUpper(kInts, part[2], part[3]);
-  out[0] = hn::BitCast(kInts, hn::InterleaveLower(pairs, pair(a), pair(c)));
-  out[1] = hn::BitCast(kInts, hn::InterleaveUpper(pairs, pair(a), pair(c)));
-  out[2] = hn::BitCast(kInts, hn::InterleaveLower(pairs, pair(b), pair(d)));
-  out[3] = hn::BitCast(kInts, hn::InterleaveUpper(pairs, pair(b), pair(d)));
+  turn(part, out);
+#endif
+}
+
+/// The reverse: writes all lanes' numbers to their rows, the first lane's last, so that of two lanes with the
+/// same row the first counts.
+HWY_INLINE void store_rows(const Int numbers[4], const std::int32_t* offsets, std::byte* table) {
+#if HWY_TARGET == HWY_SCALAR
+  auto* row = reinterpret_cast<std::int32_t*>(table + offsets[0]);
+  for (std::size_t i = 0; i < 4; ++i) row[i] = hn::GetLane(numbers[i]);
+#else
+  const auto put = [&](auto row, std::size_t lane) HWY_ATTR {
+    hn::StoreU(row, hn::Full128<std::int32_t>(), reinterpret_cast<std::int32_t*>(table + offsets[lane]));
+  };
+  Int part[4];
+  turn(numbers, part);
+  [[maybe_unused]] const auto put_blocks = [&](std::size_t block, auto of) HWY_ATTR {
+    for (std::size_t i = 4; i-- > 0;) put(of(part[i]), 4 * block + i);
+  };
+#if HWY_MAX_BYTES == 16
+  put_blocks(0, [](Int v) HWY_ATTR { return v; });
+#elif HWY_MAX_BYTES == 32
+  const hn::Full128<std::int32_t> half;
+  put_blocks(1, [&](Int v) HWY_ATTR { return hn::UpperHalf(half, v); });
+  put_blocks(0, [&](Int v) HWY_ATTR { return hn::LowerHalf(half, v); });
+#else
+  const hn::Half<Ints> half;
+  const hn::Half<hn::Half<Ints>> quarter;
+  put_blocks(3, [&](Int v) HWY_ATTR { return hn::UpperHalf(quarter, hn::UpperHalf(half, v)); });
+  put_blocks(2, [&](Int v) HWY_ATTR { return hn::LowerHalf(quarter, hn::UpperHalf(half, v)); });
+  put_blocks(1, [&](Int v) HWY_ATTR { return hn::UpperHalf(quarter, hn::LowerHalf(half, v)); });
+  put_blocks(0, [&](Int v) HWY_ATTR { return hn::LowerHalf(quarter, hn::LowerHalf(half, v)); });
+#endif
 #endif
 }
 
@@ -332,7 +388,7 @@ HWY_INLINE Mask in_visible_cell(std::uint64_t cells, int edge, const Vec3v& p) {
   return are_set(cells, whole(hn::MulAdd(hn::MulAdd(z, across, y), across, x)));
 }
 
-/// The same at places as of TexelPlace::inside. A cell's values reach half a voxel beyond it: so that a place
+/// The same at places as of PlacesInside. A cell's values reach half a voxel beyond it: so that a place
 /// may be moved by a 64th of a cell, away from the brick's faces.
 class VisibleCells {
  public:
@@ -460,18 +516,20 @@ HWY_INLINE Int sum_of_products(Int a, Int b) {
 template <typename Texels, bool kGradient>
 class SamplesInside {
  public:
-  HWY_INLINE SamplesInside(const Texels& texels, int edge) : texels_(texels), edge_(edge) {}
+  static constexpr float kUnit = 1;  ///< what values are multiples of
+
+  HWY_INLINE SamplesInside(const Texels& texels, int edge) : texels_(texels), edge_(edge), places_(edge) {}
 
   template <int kVectors>
   HWY_INLINE void find(const Vec3v (&texel)[kVectors], CellSample (&samples)[kVectors]) const {
     cell_samples_at(
-        texels_, edge_, [&](int k) HWY_ATTR { return TexelPlace::inside(texel[k], edge_); }, kGradient,
-        samples);
+        texels_, edge_, [&](int k) HWY_ATTR { return places_.at(texel[k]); }, kGradient, samples);
   }
 
  private:
   const Texels texels_;
   const int edge_;
+  const PlacesInside places_;
 };
 
 /// Values of bytes: first along z, in whole numbers, where texels weigh so many 2^14ths. (With gradients that
@@ -479,7 +537,10 @@ class SamplesInside {
 template <>
 class SamplesInside<QuadTexels, false> {
  public:
-  HWY_INLINE SamplesInside(const QuadTexels& texels, int edge) : texels_(texels), edge_(edge) {}
+  static constexpr int kOne = 1 << 14;
+  static constexpr float kUnit = 1.0f / kOne;
+
+  HWY_INLINE SamplesInside(const QuadTexels& texels, int edge) : texels_(texels), places_(edge) {}
 
   template <int kVectors>
   HWY_INLINE void find(const Vec3v (&texel)[kVectors], CellSample (&samples)[kVectors]) const {
@@ -487,7 +548,7 @@ class SamplesInside<QuadTexels, false> {
     Float weight_x[kVectors], weight_y[kVectors];
     QuadTexels::Raw raw[kVectors];
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
-      const TexelPlace place = TexelPlace::inside(texel[k], edge_);
+      const TexelPlace place = places_.at(texel[k]);
       weight_x[k] = place.weight.x;
       weight_y[k] = place.weight.y;
       const Float bits_of_z = hn::Add(place.weight.z, all(kFirstOfWeights));
@@ -496,16 +557,15 @@ class SamplesInside<QuadTexels, false> {
       raw[k] = texels_.load(place.index, 0, 0);
     }
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
-      const Float wx = weight_x[k], wy = weight_y[k], unit = all(1.0f / kOne);
+      const Float wx = weight_x[k], wy = weight_y[k];
       const Float c00 = sum(even(raw[k].low), weights[k]), c10 = sum(even(raw[k].high), weights[k]);
       const Float c01 = sum(odd(raw[k].low), weights[k]), c11 = sum(odd(raw[k].high), weights[k]);
-      samples[k].value = hn::Mul(unit, mix(mix(c00, c10, wx), mix(c01, c11, wx), wy));
+      samples[k].value = mix(mix(c00, c10, wx), mix(c01, c11, wx), wy);
     }
   }
 
  private:
   static constexpr float kFirstOfWeights = 1 << 9;  // from here on the last of a float's bits is a 2^14th
-  static constexpr int kOne = 1 << 14;
 
   /// Of the texels at y, in the lower half that at z.
   HWY_INLINE static Int even(Int quad) { return hn::And(quad, all_ints(0x00ff00ff)); }
@@ -523,7 +583,7 @@ class SamplesInside<QuadTexels, false> {
   }
 
   const QuadTexels texels_;
-  const int edge_;
+  const PlacesInside places_;
 };
 
 template <int kVectors>

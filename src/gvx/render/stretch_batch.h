@@ -62,7 +62,7 @@ struct StretchBatch {
 
   /// Out: the numbers of those rays that see nothing more.
   std::uint32_t opaque_count = 0;
-  std::int32_t opaque[kMost];
+  std::int32_t opaque[kMost + 16];
 
   /// Where a brick of bytes is put, if that pays: of each texel itself, the next along y, the next along z,
   /// and the one that is next along both, from the lowest bits up.
