@@ -1,6 +1,7 @@
 // How near is the renderer to the processor's limit? Samples per second of the compositing of one brick that
-// stays in the nearest cache, every lane of the vectors busy: the roof; and of whole warm frames, median of
-// several, as a share of it. One thread, finest level, two samples a voxel. Prints a markdown table.
+// stays in the nearest cache, every lane of the vectors busy: the roof; and of whole warm frames, as a share
+// of the roof before and behind each, since machines change: medians of several. One thread, finest level,
+// two samples a voxel. Prints a markdown table.
 //
 //     gvx_bench_limits STORE.gvx [SIZE [FRAMES]]
 
@@ -11,6 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -36,53 +38,67 @@ scene::TransferFunction translucent(double first, double last) {
   return {{{first, {0.2, 0.3, 0.9}}, {last, {1, 0.9, 0.7}}}, {{first, 0}, {last, 0.02}}, 0};
 }
 
-/// Samples a second through a brick of random voxels.
-double roof(const render::FrameView& frame, ValueRange range, std::uint32_t m) {
-  std::vector<std::byte> brick(brick_bytes(frame.format, m));
-  std::mt19937 random(1);
-  with_voxel_type(frame.format.type, [&](auto voxel) {
-    for (std::size_t i = 0; i < plane_texels(m); ++i) {
-      // A slope with little noise: neighbours are alike, as in data.
-      const float share = float(i) / float(plane_texels(m)) + 0.03f * float(random() % 100) / 100;
-      voxel = static_cast<decltype(voxel)>(range.minimum + share * (range.maximum - range.minimum) / 1.03f);
-      std::memcpy(&brick[i * sizeof(voxel)], &voxel, sizeof(voxel));
+/// A brick of random voxels, and rays through all of it.
+class Roof {
+ public:
+  Roof(const VoxelFormat& format, ValueRange range, std::uint32_t m)
+      : m_(m), brick_(brick_bytes(format, m)), to_eye_(4 * kRays), gathered_(4 * kRays), samples_(kRays) {
+    std::mt19937 random(1);
+    with_voxel_type(format.type, [&](auto voxel) {
+      for (std::size_t i = 0; i < plane_texels(m); ++i) {
+        // A slope with little noise: neighbours are alike, as in data.
+        const float share = float(i) / float(plane_texels(m)) + 0.03f * float(random() % 100) / 100;
+        voxel = static_cast<decltype(voxel)>(range.minimum + share * (range.maximum - range.minimum) / 1.03f);
+        std::memcpy(&brick_[i * sizeof(voxel)], &voxel, sizeof(voxel));
+      }
+    });
+    batch_->m = m;
+    batch_->units = 0.5f;
+    batch_->fine.brick = brick_.data();
+    batch_->fine.gradient_scale = 1;
+    batch_->count = kRays;
+    batch_->to_eye = reinterpret_cast<float(*)[4]>(to_eye_.data());
+    batch_->gathered = reinterpret_cast<float(*)[4]>(gathered_.data());
+    batch_->samples = samples_.data();
+  }
+
+  /// In samples a second, now.
+  double measure(const render::FrameView& frame) {
+    constexpr int kRepeats = 9;
+    std::vector<double> rates;
+    for (int repeat = 0; repeat < kRepeats; ++repeat) {
+      begin_rays();
+      const auto start = std::chrono::steady_clock::now();
+      render::composite_batch(frame, *batch_);
+      const double seconds = seconds_since(start);
+      rates.push_back(std::accumulate(samples_.begin(), samples_.end(), 0.0) / seconds);
     }
-  });
-  auto batch = std::make_unique<render::StretchBatch>();
-  batch->m = m;
-  batch->units = 0.5f;
-  batch->fine.brick = brick.data();
-  batch->fine.gradient_scale = 1;
-  batch->count = render::StretchBatch::kMost;
-  constexpr std::uint32_t kEdge = exec::TileGrid::kTile;
-  constexpr std::uint32_t kRays = render::StretchBatch::kMost;
-  std::vector<float> to_eye(4 * kRays), gathered(4 * kRays);
-  std::vector<std::int32_t> samples_of(kRays);
-  batch->to_eye = reinterpret_cast<float(*)[4]>(to_eye.data());
-  batch->gathered = reinterpret_cast<float(*)[4]>(gathered.data());
-  batch->samples = samples_of.data();
-  std::vector<double> rates;
-  for (int repeat = 0; repeat < 40; ++repeat) {
+    return median(rates);
+  }
+
+ private:
+  static constexpr std::uint32_t kEdge = exec::TileGrid::kTile, kRays = render::StretchBatch::kMost;
+
+  void begin_rays() {
     for (std::uint32_t i = 0; i < kRays; ++i) {
       const float x = float(i % kEdge) / kEdge, y = float(i / kEdge) / kEdge;
-      const float row[8] = {x * float(m), y * float(m),           0.25f, float(2 * m), 0, 0,
-                            0.5f,         std::bit_cast<float>(i)};
-      std::copy_n(row, 8, batch->fine.row[i]);
-      batch->length[i] = static_cast<std::uint8_t>(2 * m);
-      to_eye[4 * i + 2] = -1;
-      batch->order[i] = static_cast<std::int32_t>(i);
+      const float row[8] = {x * float(m_), y * float(m_),          0.25f, float(2 * m_), 0, 0,
+                            0.5f,          std::bit_cast<float>(i)};
+      std::copy_n(row, 8, batch_->fine.row[i]);
+      batch_->length[i] = static_cast<std::uint8_t>(2 * m_);
+      to_eye_[4 * i + 2] = -1;
+      batch_->order[i] = static_cast<std::int32_t>(i);
     }
-    std::fill(gathered.begin(), gathered.end(), 0.0f);
-    std::fill(samples_of.begin(), samples_of.end(), 0);
-    const auto start = std::chrono::steady_clock::now();
-    render::composite_batch(frame, *batch);
-    const double seconds = seconds_since(start);
-    double samples = 0;
-    for (std::uint32_t i = 0; i < batch->count; ++i) samples += batch->samples[i];
-    rates.push_back(samples / seconds);
+    std::fill(gathered_.begin(), gathered_.end(), 0.0f);
+    std::fill(samples_.begin(), samples_.end(), 0);
   }
-  return median(rates);
-}
+
+  std::uint32_t m_;
+  std::vector<std::byte> brick_;
+  std::vector<float> to_eye_, gathered_;
+  std::vector<std::int32_t> samples_;
+  std::unique_ptr<render::StretchBatch> batch_ = std::make_unique<render::StretchBatch>();
+};
 
 }  // namespace
 
@@ -112,6 +128,7 @@ int main(int argc, char** argv) {
   const double middle = 0.5 * (first + last);
   scene::TransferFunction surface = translucent(first, last);
   surface.opacities = {{middle, 0}, {middle + 0.02 * (last - first), 0.9}};
+  Roof roof(tree.format, range, static_cast<std::uint32_t>(tree.m));
   const scene::Camera framed = scene::frame_box(tree.extent, tree.tree_to_world, tree.anatomical, 1);
   std::printf(
       "| function | light | roof, M samples/s | frame, ms | M samples | M samples/s | share "
@@ -120,25 +137,29 @@ int main(int argc, char** argv) {
     for (const bool lit : {false, true}) {
       view.functions = {is_surface ? surface : translucent(first, last)};
       view.lighting.enabled = lit;
-      std::vector<double> times;
-      double samples = 0;
+      const render::TreePlacement placement{int(tree.n), int(tree.m),        int(tree.max_level),
+                                            tree.format, tree.tree_to_world, tree.extent,
+                                            tree.scale,  tree.offset,        tree.ranges};
+      const auto roof_frame = render::Frame::make(cpu, view, placement);
+      std::vector<double> times, limits, shares;
+      double samples = 0, limit_before = 0;
       for (int frame = 0; frame <= frames; ++frame) {
         view.camera = framed;
         view.camera.eye.x += frame % 2 == 0 ? 0 : 1e-6 * length(framed.eye - framed.target);
         const auto start = std::chrono::steady_clock::now();
         if (!engine->look(view).ok() || !engine->render_exact().ok()) return 1;
-        if (frame > 0) times.push_back(seconds_since(start));
+        const double seconds = seconds_since(start), limit = roof.measure(roof_frame.value().view());
         samples = static_cast<double>(engine->statistics().samples);
+        if (frame > 0) {
+          times.push_back(seconds);
+          limits.push_back(0.5 * (limit_before + limit));
+          shares.push_back(samples / seconds / limits.back());
+        }
+        limit_before = limit;
       }
-      const render::TreePlacement placement{int(tree.n), int(tree.m),        int(tree.max_level),
-                                            tree.format, tree.tree_to_world, tree.extent,
-                                            tree.scale,  tree.offset,        tree.ranges};
-      const auto frame = render::Frame::make(cpu, view, placement);
-      const double limit = roof(frame.value().view(), range, static_cast<std::uint32_t>(tree.m));
-      const double rate = samples / median(times);
       std::printf("| %s | %s | %.0f | %.1f | %.1f | %.0f | %.2f |\n", is_surface ? "surface" : "translucent",
-                  lit ? "lit" : "unlit", limit / 1e6, 1e3 * median(times), samples / 1e6, rate / 1e6,
-                  rate / limit);
+                  lit ? "lit" : "unlit", median(limits) / 1e6, 1e3 * median(times), samples / 1e6,
+                  samples / median(times) / 1e6, median(shares));
       std::fflush(stdout);
     }
   }
