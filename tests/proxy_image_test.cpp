@@ -106,12 +106,16 @@ TEST_F(ProxyImage, leaves_one_ray_at_a_time_and_previews_as_they_are) {
             exact(producer_, view_, nullptr, cpu, true).picture.rgba);
   engine::EngineOptions options;
   options.proxy = proxy_;
-  const auto engine = engine::Engine::create(cpu, producer_, options).value();
-  ASSERT_TRUE(engine->look(view_).ok());
-  for (int frame = 0; frame < 10000 && !engine->converged(); ++frame) {
-    ASSERT_TRUE(engine->render_for(std::chrono::milliseconds(10)).ok());
+  render::View view = view_;
+  for (const auto classification : {scene::Classification::preintegrated, scene::Classification::post}) {
+    view.classification = classification;
+    const auto engine = engine::Engine::create(cpu, producer_, options).value();
+    ASSERT_TRUE(engine->look(view).ok());
+    for (int frame = 0; frame < 10000 && !engine->converged(); ++frame) {
+      ASSERT_TRUE(engine->render_for(std::chrono::milliseconds(10)).ok());
+    }
+    EXPECT_EQ(engine->picture().rgba, exact(producer_, view, nullptr, cpu).picture.rgba);
   }
-  EXPECT_EQ(engine->picture().rgba, exact(producer_, view_, nullptr, cpu).picture.rgba);
 }
 
 TEST_F(ProxyImage, cuts_what_is_not_in_it) {

@@ -87,7 +87,6 @@ class Roof {
       std::copy_n(row, 8, batch_->fine.row[i]);
       batch_->length[i] = static_cast<std::uint8_t>(2 * m_);
       to_eye_[4 * i + 2] = -1;
-      batch_->order[i] = static_cast<std::int32_t>(i);
     }
     std::fill(gathered_.begin(), gathered_.end(), 0.0f);
     std::fill(samples_.begin(), samples_.end(), 0);

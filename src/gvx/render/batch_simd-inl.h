@@ -74,6 +74,12 @@ HWY_INLINE Float held_in_voxel(const PathRows& path, Float centre, Float i) {
   return hn::MulAdd(share, way, centre);
 }
 
+/// Steps of a batch's rays that are taken in one go.
+struct StepRuns {
+  bool some = false;         ///< StretchBatch::run, not all
+  std::uint32_t hidden = 0;  ///< so many rows come first in the order that take none
+};
+
 /// As many rays of a batch as a vector has lanes, the first of a list of rows. Lanes behind the last hold it
 /// once more, with nothing before it; of no rows, the one at `rows`.
 class BatchLanes {
@@ -108,6 +114,19 @@ class BatchLanes {
   }
   HWY_INLINE Float steps(const PathRows& fine) const { return hn::IfThenElseZero(valid(), fine.fourth); }
   HWY_INLINE Mask valid() const { return hn::Lt(hn::Iota(kFloats, 0), all(static_cast<float>(valid_))); }
+
+  /// Of all steps, or of StretchBatch::run, the first and the one behind the last.
+  HWY_INLINE void find_ends(const StretchBatch& batch, const StepRuns& runs, const PathRows& fine,
+                            Float& first, Float& end) const {
+    first = hn::Zero(kFloats);
+    end = steps(fine);
+    if (!runs.some) return;
+    static_assert(kRowBytes == sizeof(std::int32_t) << 3);
+    const Int run = hn::GatherOffset(kInts, batch.run, hn::ShiftRight<3>(hn::Load(kInts, row_)));
+    first = hn::ConvertTo(kFloats, hn::And(run, all_ints((1 << StretchBatch::kRunBits) - 1)));
+    const Float length = hn::ConvertTo(kFloats, hn::ShiftRight<StretchBatch::kRunBits>(run));
+    end = hn::Add(first, hn::IfThenElseZero(valid(), length));
+  }
 
   HWY_INLINE Mask without_samples(const StretchBatch& batch) const {
     alignas(64) std::int32_t samples[kLanes];

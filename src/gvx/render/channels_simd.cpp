@@ -280,6 +280,7 @@ template <typename Voxel>
 void composite_all(const FrameView& frame, StretchBatch& batch) {
   const Shading<std::is_integral_v<Voxel>> lights(frame);
   batch.opaque_count = 0;
+  batch.put_in_order();
   for (std::size_t lane = 0; lane < batch.count; lane += hn::MaxLanes(kFloats)) {
     Channels<Voxel>(frame, lights, batch, lane).run();
   }

@@ -40,18 +40,6 @@ struct Place {
   Float entry;
   Float deviation;
 };
-template <bool kPlain>
-HWY_INLINE Place select(Mask mask, const Place& a, const Place& b) {
-  Place place{hn::IfThenElse(mask, a.entry, b.entry), b.deviation};
-  if constexpr (!kPlain) place.deviation = hn::IfThenElse(mask, a.deviation, b.deviation);
-  return place;
-}
-
-/// Somewhere below all that is seen: where the cells' masks say so, nothing is sampled.
-constexpr float kBelow = -1e30f;
-HWY_INLINE Place below() {
-  return {all(kBelow), hn::Zero(kFloats)};
-}
 
 /// EntryPath::mean along a ray's way through the function. kPlain: nothing deviates, so that what the table
 /// reads at a path's end serves for the next one's begin.
@@ -127,13 +115,19 @@ struct Pieces {
   }
 };
 
-HWY_INLINE Pieces cuts_of(Float adds, Float longest) {
-  return Pieces::asked(hn::Mul(hn::Mul(adds, longest), all(1 / kWidePath)), kMostCuts);
+HWY_INLINE Float cuts_wanted(Float adds, Float longest) {
+  return hn::Mul(hn::Mul(adds, longest), all(1 / kWidePath));
 }
-HWY_INLINE Pieces parts_of(Float adds, Float longest) {
+HWY_INLINE Pieces cuts_of(Float adds, Float longest) {
+  return Pieces::asked(cuts_wanted(adds, longest), kMostCuts);
+}
+HWY_INLINE Float parts_wanted(Float adds, Float longest) {
   const Float wide =
       hn::Min(hn::Max(hn::MulSub(longest, all(1 / kNarrowPath), all(1)), hn::Zero(kFloats)), all(1));
-  return Pieces::asked(hn::Mul(hn::Mul(wide, adds), all(1 / kThinDepth)), kMostParts);
+  return hn::Mul(hn::Mul(wide, adds), all(1 / kThinDepth));
+}
+HWY_INLINE Pieces parts_of(Float adds, Float longest) {
+  return Pieces::asked(parts_wanted(adds, longest), kMostParts);
 }
 
 /// Seen.
@@ -153,6 +147,32 @@ struct Slope {
   Float blend;
 };
 
+/// What all rays of a batch go through: its fine brick, and what its values are in the function.
+template <typename Texels>
+struct FineBrick {
+  using Samples = SamplesInside<Texels, false>;
+
+  HWY_INLINE FineBrick(const FrameView& frame, const StretchBatch& batch, const Texels& of)
+      : texels(of),
+        edge(static_cast<int>(batch.m)),
+        function(frame.visibility.functions[0]),
+        places(edge),
+        samples(of, edge),
+        to_entry_scale(all(function.entries_per_value() * Samples::kUnit)),
+        to_entry_offset(all(function.first_entry())) {}
+
+  HWY_INLINE Place place_of(const CellSample& sample) const {
+    return {hn::MulAdd(sample.value, to_entry_scale, to_entry_offset), hn::Zero(kFloats)};
+  }
+
+  const Texels& texels;
+  const int edge;
+  const Function function;
+  const PlacesInside places;
+  const Samples samples;
+  const Float to_entry_scale, to_entry_offset;
+};
+
 /// The rays of a vector, and what they go through. kPlain_: one brick whose voxels deviate from nothing.
 template <typename Voxel, typename Texels_, bool kPlain_>
 class Rays {
@@ -161,27 +181,29 @@ class Rays {
   static constexpr bool kPlain = kPlain_;
 
   using Lights = Shading<std::is_integral_v<Voxel>>;
+  using Brick = FineBrick<Texels>;
 
-  HWY_INLINE Rays(const FrameView& frame, const Lights& lights, StretchBatch& batch, const Function& function,
-                  const Texels& texels, const std::int32_t* rows, std::size_t count)
+  HWY_INLINE Rays(const FrameView& frame, const Lights& lights, StretchBatch& batch, const StepRuns& runs,
+                  const Brick& brick, const std::int32_t* rows, std::size_t count)
       : frame_(frame),
         lights_(lights),
         batch_(batch),
-        function_(function),
-        texels_(texels),
+        brick_(brick),
         lanes_(batch, rows, count),
-        edge_(static_cast<int>(batch.m)),
         fine_(lanes_.fine(batch)),
+        first_texel_(from_first_texel(fine_.first)),
         coarse_(!kPlain && batch.blended ? lanes_.coarse(batch) : fine_),
         to_eye_(lights.lit() ? lanes_.to_eye(batch) : fine_.first) {
+    lanes_.find_ends(batch, runs, fine_, first_step_, end_);
     lanes_.load(batch, color_, opacity_);
     if (lights.lit()) lights.find_halves(to_eye_, halves_);
   }
 
   HWY_INLINE const BatchLanes& lanes() const { return lanes_; }
-  HWY_INLINE Float steps() const { return lanes_.steps(fine_); }
+  /// Steps: the first, and the one behind the last.
+  HWY_INLINE Float first() const { return first_step_; }
+  HWY_INLINE Float end() const { return end_; }
   HWY_INLINE Mask going() const { return hn::Lt(opacity_, all(kOpaque)); }
-  HWY_INLINE Mask may_be_seen(Float i) const { return in_visible_cell(batch_.cells, edge_, fine_.at(i)); }
   HWY_INLINE void count_samples(Mask mask) {
     samples_ = hn::Sub(samples_, hn::VecFromMask(kInts, hn::RebindMask(kInts, mask)));
   }
@@ -192,39 +214,48 @@ class Rays {
   HWY_INLINE static void sample_all(const Rays (&rays)[kVectors], const Float (&i)[kVectors],
                                     Place (&places)[kVectors]) {
     if constexpr (kPlain) {
-      Vec3v p[kVectors];
-      for (int k = 0; k < kVectors; ++k) p[k] = rays[k].fine_.at(i[k]);
+      Vec3v texel[kVectors];
+      for (int k = 0; k < kVectors; ++k) texel[k] = rays[k].texel_at(i[k]);
       CellSample samples[kVectors];
-      cell_samples(rays[0].texels_, rays[0].edge_, p, false, samples);
-      for (int k = 0; k < kVectors; ++k) {
-        places[k] = {rays[0].function_.entry_of(samples[k].value), hn::Zero(kFloats)};
-      }
+      rays[0].brick_.samples.find(texel, samples);
+      for (int k = 0; k < kVectors; ++k) places[k] = rays[0].brick_.place_of(samples[k]);
     } else {
       for (int k = 0; k < kVectors; ++k) places[k] = rays[k].at(i[k]);
     }
   }
   HWY_NOINLINE Place at(Float i) const {
-    const Vec3v p = fine_.at(i);
-    Float value = sample(texels_, edge_, p), deviates = hn::Zero(kFloats);
-    if constexpr (!kPlain) {
-      if (batch_.fine.deviates) deviates = deviation(deviations(batch_.fine), edge_, p);
+    if constexpr (kPlain) {
+      const Vec3v texel[1] = {texel_at(i)};
+      CellSample samples[1];
+      brick_.samples.find(texel, samples);
+      return brick_.place_of(samples[0]);
+    } else {
+      const int edge = brick_.edge;
+      const Vec3v p = fine_.at(i);
+      Float value = sample(brick_.texels, edge, p), deviates = hn::Zero(kFloats);
+      if (batch_.fine.deviates) deviates = deviation(deviations(batch_.fine), edge, p);
       if (batch_.blended) {
         const Vec3v q = coarse_.at(i);
         const Float blend = share_at(coarse_, i);
-        value = mix(value, sample(coarse_texels(), edge_, q), blend);
-        deviates = mix(deviates, deviation(deviations(batch_.coarse), edge_, q), blend);
+        value = mix(value, sample(coarse_texels(), edge, q), blend);
+        deviates = mix(deviates, deviation(deviations(batch_.coarse), edge, q), blend);
       }
-      deviates = function_.to_entries(deviates);
+      return {brick_.function.entry_of(value), brick_.function.to_entries(deviates)};
     }
-    return {function_.entry_of(value), deviates};
   }
 
   /// By a step's or a span's matter and the entries that it goes through.
   HWY_INLINE Pieces cuts(Float extinction, Float longest) const {
-    return cuts_of(hn::Mul(left(), hn::Min(hn::Mul(extinction, all(batch_.units)), all(1))), longest);
+    return cuts_of(adds_in_step(extinction), longest);
   }
   HWY_INLINE Pieces parts(Float extinction, Float units, Float longest) const {
-    return parts_of(hn::Mul(left(), hn::Mul(extinction, units)), longest);
+    return parts_of(adds_in(extinction, units), longest);
+  }
+  /// Steps of more than one piece.
+  HWY_INLINE Mask is_cut(Float extinction, Float units, Float longest) const {
+    return hn::Gt(hn::Max(cuts_wanted(adds_in_step(extinction), longest),
+                          parts_wanted(adds_in(extinction, units), longest)),
+                  all(1));
   }
 
   /// see_span of one part, whose middle is at place i: of the lanes of `mask`.
@@ -264,9 +295,9 @@ class Rays {
   /// Place i of the steps with these centres, or the last on the way there that is in the centre's voxel.
   HWY_INLINE Float held(Float centre, Float i) const { return held_in_voxel(fine_, centre, i); }
   HWY_NOINLINE Slope slope_at(Float i) const {
-    Slope slope{gradient(texels_, edge_, fine_.at(i)), hn::Zero(kFloats)};
+    Slope slope{gradient(brick_.texels, brick_.edge, fine_.at(i)), hn::Zero(kFloats)};
     if constexpr (!kPlain) {
-      if (batch_.blended) blend_in(gradient(coarse_texels(), edge_, coarse_.at(i)), i, slope);
+      if (batch_.blended) blend_in(gradient(coarse_texels(), brick_.edge, coarse_.at(i)), i, slope);
     }
     return slope;
   }
@@ -276,9 +307,9 @@ class Rays {
     Around fine, coarse;
   };
   HWY_NOINLINE void read_voxels(Float centre, Voxels& voxels) const {
-    voxels.fine.read(texels_, edge_, fine_.at(centre));
+    voxels.fine.read(brick_.texels, brick_.edge, fine_.at(centre));
     if constexpr (!kPlain) {
-      if (batch_.blended) voxels.coarse.read(coarse_texels(), edge_, coarse_.at(centre));
+      if (batch_.blended) voxels.coarse.read(coarse_texels(), brick_.edge, coarse_.at(centre));
     }
   }
   HWY_NOINLINE Slope slope_at(Float i, const Voxels& voxels) const {
@@ -294,10 +325,25 @@ class Rays {
       if (batch_.blended) across = mix(across, all(batch_.coarse.voxels_across), slope.blend);
     }
     const Float length = hn::Sqrt(lights_.world_length2(slope.gradient));
-    return function_.factor_of_gradient(hn::Mul(length, across));
+    return brick_.function.factor_of_gradient(hn::Mul(length, across));
   }
 
  private:
+  HWY_INLINE static Vec3v from_first_texel(const Vec3v& p) {
+    const Float half = all(0.5f);
+    return {hn::Add(p.x, half), hn::Add(p.y, half), hn::Add(p.z, half)};
+  }
+  /// Place i, in texels of a plain brick: in it, or the nearest to it that is.
+  HWY_INLINE Vec3v texel_at(Float i) const {
+    return brick_.places.held(along(first_texel_, fine_.per_step, i));
+  }
+  /// How much opacity, about.
+  HWY_INLINE Float adds_in_step(Float extinction) const {
+    return hn::Mul(left(), hn::Min(hn::Mul(extinction, all(batch_.units)), all(1)));
+  }
+  HWY_INLINE Float adds_in(Float extinction, Float units) const {
+    return hn::Mul(left(), hn::Mul(extinction, units));
+  }
   HWY_INLINE Float left() const { return hn::Sub(all(1), opacity_); }
 
   HWY_INLINE static const Voxel* voxels(const StretchBatch::Path& path) {
@@ -324,13 +370,14 @@ class Rays {
   const FrameView& frame_;
   const Lights& lights_;
   StretchBatch& batch_;
-  const Function& function_;
-  const Texels& texels_;
+  const Brick& brick_;
   const BatchLanes lanes_;
-  const int edge_;
-  const PathRows fine_, coarse_;
+  const PathRows fine_;
+  const Vec3v first_texel_;  // fine_.first
+  const PathRows coarse_;
   const Vec3v to_eye_;
   typename Lights::FarHalves halves_;
+  Float first_step_, end_;
   Vec3v color_;
   Float opacity_;
   Int samples_ = hn::Zero(kInts);

@@ -15,6 +15,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 #include "gvx/render/composite_rays_simd-inl.h"
+#include "gvx/render/visible_steps_simd-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
@@ -29,17 +30,11 @@ class Stepping {
   static constexpr bool kPlain = RaysOf::kPlain;
 
   HWY_INLINE Stepping(StretchBatch& batch, const Function& function, RaysOf (&rays)[kVectors])
-      : batch_(batch),
-        function_(function),
-        rays_(rays),
-        all_cells_(!kPlain || batch.cells == ~std::uint64_t(0)) {}
+      : batch_(batch), function_(function), rays_(rays) {}
 
   /// `begun`: they go on from where they waited.
   HWY_INLINE void run(bool begun) {
-    for (int k = 0; k < kVectors; ++k) {
-      end_[k] = rays_[k].steps();
-      waits_[k] = no_lanes();
-    }
+    for (int k = 0; k < kVectors; ++k) waits_[k] = no_lanes();
     if (begun) {
       go_on();
     } else {
@@ -48,14 +43,13 @@ class Stepping {
     Means<kPlain> means[2] = {Means<kPlain>(function_), Means<kPlain>(function_)};
     while (true) {
       for (int k = 0; k < kVectors; ++k) {
-        active_[k] = hn::And(hn::And(active_[k], hn::Lt(step_[k], end_[k])), rays_[k].going());
+        active_[k] = hn::And(hn::And(active_[k], hn::Lt(step_[k], rays_[k].end())), rays_[k].going());
       }
       if (none_of(active_)) break;
       Place back[kVectors];
       Mask visible[kVectors];
       look_ahead(means, back, visible);
       const bool some_visible = !none_of(visible);
-      if (some_visible && !all_cells_) look_back(visible, means);
       for (int k = 0; k < kVectors; ++k) {
         if (some_visible) see_step(k, means[k], back[k], visible[k]);
         front_[k] = back[k];
@@ -72,25 +66,14 @@ class Stepping {
 
  private:
   HWY_INLINE void begin() {
-    Float i[kVectors];
-    Mask begun[kVectors];
+    Float front[kVectors];
     for (int k = 0; k < kVectors; ++k) {
-      step_[k] = hn::Zero(kFloats);
-      i[k] = all(-0.5f);
-      front_[k] = below();
-      active_[k] = hn::And(hn::Lt(step_[k], end_[k]), rays_[k].going());
-      begun[k] = all_cells_ ? active_[k] : hn::And(active_[k], rays_[k].may_be_seen(i[k]));
+      step_[k] = rays_[k].first();
+      front[k] = hn::Sub(step_[k], all(0.5f));
+      active_[k] = hn::And(hn::Lt(step_[k], rays_[k].end()), rays_[k].going());
+      rays_[k].count_samples(active_[k]);
     }
-    sample_fronts(i, begun);
-  }
-  HWY_INLINE void sample_fronts(const Float (&i)[kVectors], const Mask (&wanted)[kVectors]) {
-    if (none_of(wanted)) return;
-    Place at[kVectors];
-    RaysOf::sample_all(rays_, i, at);
-    for (int k = 0; k < kVectors; ++k) {
-      rays_[k].count_samples(wanted[k]);
-      front_[k] = select<kPlain>(wanted[k], at[k], front_[k]);
-    }
+    RaysOf::sample_all(rays_, front, front_);
   }
   HWY_INLINE void go_on() {
     for (int k = 0; k < kVectors; ++k) {
@@ -105,36 +88,12 @@ class Stepping {
   HWY_INLINE void look_ahead(const Means<kPlain> (&means)[2], Place (&back)[kVectors],
                              Mask (&visible)[kVectors]) {
     Float end[kVectors];
-    Mask sampled[kVectors];
-    for (int k = 0; k < kVectors; ++k) {
-      back[k] = below();
-      visible[k] = no_lanes();
-      end[k] = hn::Add(step_[k], all(0.5f));
-      sampled[k] = active_[k];
-      if (all_cells_) continue;
-      const Mask some = hn::Or(function_.above_first(front_[k].entry), rays_[k].may_be_seen(end[k]));
-      sampled[k] = hn::And(sampled[k], some);
-    }
-    if (!all_cells_ && none_of(sampled)) return;
+    for (int k = 0; k < kVectors; ++k) end[k] = hn::Add(step_[k], all(0.5f));
     RaysOf::sample_all(rays_, end, back);
     for (int k = 0; k < kVectors; ++k) {
-      rays_[k].count_samples(sampled[k]);
-      // Whoever is beside it: a lane that need not be sampled is below.
-      if (!all_cells_) back[k] = select<kPlain>(sampled[k], back[k], below());
+      rays_[k].count_samples(active_[k]);
       visible[k] = hn::AndNot(means[k].unseen(front_[k], back[k]), active_[k]);
     }
-  }
-  /// Samples the fronts of visible steps that were taken for below.
-  HWY_INLINE void look_back(const Mask (&visible)[kVectors], Means<kPlain> (&means)[2]) {
-    Float i[kVectors];
-    Mask unknown[kVectors];
-    for (int k = 0; k < kVectors; ++k) {
-      i[k] = hn::Sub(step_[k], all(0.5f));
-      unknown[k] = hn::And(visible[k], hn::Lt(front_[k].entry, all(0.1f * kBelow)));
-    }
-    if (none_of(unknown)) return;
-    sample_fronts(i, unknown);
-    for (int k = 0; k < kVectors; ++k) means[k] = Means<kPlain>(function_);
   }
 
   HWY_INLINE void see_step(int k, Means<kPlain>& means, const Place& back, Mask visible) {
@@ -146,9 +105,7 @@ class Stepping {
     visible = hn::And(visible, hn::Gt(extinction, hn::Zero(kFloats)));
     if (none(visible)) return;
     const Float longest = hn::Abs(hn::Sub(back.entry, front.entry));
-    const Mask cut =
-        hn::Or(rays.cuts(extinction, longest).has(1), rays.parts(extinction, units, longest).has(1));
-    const Mask waiting = hn::And(visible, cut);
+    const Mask waiting = hn::And(visible, rays.is_cut(extinction, units, longest));
     if (!none(waiting)) {
       const Float numbers[5] = {step_[k], front.entry, front.deviation, back.entry, back.deviation};
       for (int n = 0; n < 5; ++n) wait_[k][n] = hn::IfThenElse(waiting, numbers[n], wait_[k][n]);
@@ -172,8 +129,7 @@ class Stepping {
   StretchBatch& batch_;
   const Function& function_;
   RaysOf (&rays_)[kVectors];
-  const bool all_cells_;
-  Float step_[kVectors], end_[kVectors];
+  Float step_[kVectors];
   Place front_[kVectors];
   Mask active_[kVectors];
   Mask waits_[kVectors];
@@ -216,7 +172,7 @@ class Cutting {
     rays_.store();
     const Float next = hn::Add(centre_, all(1));
     const Float numbers[5] = {next, back.entry, back.deviation, back.entry, back.deviation};
-    const Mask on = hn::And(hn::And(valid, rays_.going()), hn::Lt(next, rays_.steps()));
+    const Mask on = hn::And(hn::And(valid, rays_.going()), hn::Lt(next, rays_.end()));
     rays_.lanes().wait(batch_, on, numbers, batch_.order, going_on);
   }
 
@@ -286,17 +242,18 @@ class Cutting {
 };
 
 template <typename Voxel, bool kPlain, typename Texels>
-void composite_with(const FrameView& frame, StretchBatch& batch, const Texels& texels) {
+void composite_with(const FrameView& frame, StretchBatch& batch, const StepRuns& runs, const Texels& texels) {
   using RaysOf = Rays<Voxel, Texels, kPlain>;
   constexpr std::size_t kLanes = hn::MaxLanes(kFloats);
-  const Function function(frame.visibility.functions[0]);
+  const typename RaysOf::Brick brick(frame, batch, texels);
+  const Function& function = brick.function;
   const typename RaysOf::Lights lights(frame);
   const auto rays_at = [&](const std::int32_t* rows, std::size_t count)
-                           HWY_ATTR { return RaysOf(frame, lights, batch, function, texels, rows, count); };
+                           HWY_ATTR { return RaysOf(frame, lights, batch, runs, brick, rows, count); };
   std::uint32_t stepping = batch.count;
   for (bool begun = false; stepping > 0; begun = true) {
     batch.waiting_count = 0;
-    std::size_t lane = 0;
+    std::size_t lane = begun ? 0 : runs.hidden;
     if constexpr (kPlain && GVX_VECTORS_SIDE_BY_SIDE >= 2) {
       for (; lane + kLanes < stepping; lane += 2 * kLanes) {
         RaysOf rays[2] = {rays_at(batch.order + lane, kLanes),
@@ -318,15 +275,20 @@ void composite_with(const FrameView& frame, StretchBatch& batch, const Texels& t
 
 template <typename Voxel>
 void composite_all(const FrameView& frame, StretchBatch& batch) {
-  batch.has_quads = false;
   batch.opaque_count = 0;
   const PlainTexels<Voxel> texels(batch.fine.brick);
-  if (batch.blended || batch.fine.deviates) return composite_with<Voxel, false>(frame, batch, texels);
-  if constexpr (std::is_same_v<Voxel, std::uint8_t>) {
-    batch.has_quads = makes_quads(batch);
-    if (batch.has_quads) return composite_with<Voxel, true>(frame, batch, QuadTexels{batch.quads});
+  if (batch.blended || batch.fine.deviates) {
+    batch.put_in_order();
+    return composite_with<Voxel, false>(frame, batch, StepRuns(), texels);
   }
-  composite_with<Voxel, true>(frame, batch, texels);
+  bool has_quads = false;
+  in_runs<LooksAt::ends>(batch, [&](const StepRuns& runs) HWY_ATTR {
+    if constexpr (std::is_same_v<Voxel, std::uint8_t>) {
+      has_quads = has_quads || makes_quads(batch);
+      if (has_quads) return composite_with<Voxel, true>(frame, batch, runs, QuadTexels{batch.quads});
+    }
+    composite_with<Voxel, true>(frame, batch, runs, texels);
+  });
 }
 
 }  // namespace

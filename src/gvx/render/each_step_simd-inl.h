@@ -89,6 +89,7 @@ void composite_each_step(const FrameView& frame, StretchBatch& batch) {
   const typename Rays::Lights lights(frame);
   const Content content(frame, batch);
   batch.opaque_count = 0;
+  batch.put_in_order();
   for (std::size_t lane = 0; lane < batch.count; lane += hn::MaxLanes(kFloats)) {
     const BatchLanes lanes(batch, lane);
     const Rays rays(lights, batch, lanes);

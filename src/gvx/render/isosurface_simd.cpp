@@ -139,6 +139,7 @@ class SurfaceFinder {
 template <typename Voxel>
 void find_surfaces(const FrameView& frame, StretchBatch& batch) {
   batch.opaque_count = 0;
+  batch.put_in_order();
   const typename SurfaceFinder<Voxel>::Lights lights(frame);
   for (std::size_t lane = 0; lane < batch.count; lane += hn::Lanes(kFloats)) {
     SurfaceFinder<Voxel>(frame, lights, batch, lane).run();

@@ -14,6 +14,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 #include "gvx/render/each_step_simd-inl.h"
+#include "gvx/render/visible_steps_simd-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
@@ -77,22 +78,22 @@ class Post {
         fine_(fine),
         coarse_(coarse) {}
 
-  HWY_INLINE void run() {
-    const bool all_cells = batch_.cells == ~std::uint64_t(0);
+  HWY_INLINE void run(const StepRuns& runs) {
     const Float opaque = all(kOpaque), one = all(1);
-    const VisibleCells visible(batch_.cells, edge_);
     const Samples fine(fine_, edge_), coarse(coarse_, edge_);
     const StepRows rows(function_, Samples::kUnit);
     const std::byte* table = reinterpret_cast<const std::byte*>(
         frame_.step_colors + std::size_t(batch_.level) * scene::TransferView::kEntries);
     PathRows path[kVectors];
-    Float end[kVectors], last_step[kVectors], opacity[kVectors], most = hn::Zero(kFloats);
+    Float first[kVectors], end[kVectors], last_step[kVectors], opacity[kVectors], most = hn::Zero(kFloats);
     Int samples[kVectors];
     Vec3v color[kVectors], to_eye[kVectors];
     typename Lights::FarHalves halves[kVectors];
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
       path[k] = in_texels(lanes_[k].fine(batch_));
-      end[k] = lanes_[k].steps(path[k]);
+      lanes_[k].find_ends(batch_, runs, path[k], first[k], end[k]);
+      path[k].first = path[k].at(first[k]);
+      end[k] = hn::Sub(end[k], first[k]);
       last_step[k] = hn::Max(hn::Sub(end[k], one), hn::Zero(kFloats));
       most = hn::Max(most, end[k]);
       samples[k] = hn::Zero(kInts);
@@ -116,11 +117,6 @@ class Post {
           f.active[k] = hn::And(hn::Lt(i, end[k]), going[k]);
           texel[k] = path[k].at(hn::Min(i, last_step[k]));
         }
-        if (!all_cells) {
-          GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
-            f.active[k] = hn::And(f.active[k], visible.at(texel[k]));
-          }
-        }
         f.sees = false;
         if (none_of(f.active)) continue;
         CellSample sample[kVectors];
@@ -143,7 +139,8 @@ class Post {
           } else {
             // All lights' numbers of one vector fill the registers.
             for (int k = 0; k < kVectors; ++k) {
-              f.light[k] = shade_at(i, sample[k], blend[k], lanes_[k], to_eye[k], halves[k]);
+              f.light[k] =
+                  shade_at(hn::Add(first[k], i), sample[k], blend[k], lanes_[k], to_eye[k], halves[k]);
             }
           }
         }
@@ -253,49 +250,60 @@ class Post {
 };
 
 template <bool kPlain, Lit kLit, typename Texels>
-void post_rows(const FrameView& frame, StretchBatch& batch, const Texels& fine, const Texels& coarse) {
+void post_rows(const FrameView& frame, StretchBatch& batch, const StepRuns& runs, const Texels& fine,
+               const Texels& coarse) {
   constexpr std::size_t kLanes = hn::MaxLanes(kFloats);
-  batch.opaque_count = 0;
   const Shading<Texels::kWhole> lights(frame);
-  std::size_t lane = 0;
+  std::size_t lane = runs.hidden;
   // Twice as many where vectors are short and what is kept of each is little.
   if constexpr (kLanes <= 8 && kPlain && kLit == Lit::no && GVX_VECTORS_SIDE_BY_SIDE >= 4) {
     for (; lane + 3 * kLanes < batch.count; lane += 4 * kLanes) {
       const BatchLanes lanes[4] = {
           {batch, lane}, {batch, lane + kLanes}, {batch, lane + 2 * kLanes}, {batch, lane + 3 * kLanes}};
-      Post<Texels, kPlain, kLit, 4>(frame, lights, batch, lanes, fine, coarse).run();
+      Post<Texels, kPlain, kLit, 4>(frame, lights, batch, lanes, fine, coarse).run(runs);
     }
   }
   if constexpr (GVX_VECTORS_SIDE_BY_SIDE >= 2) {
     for (; lane + kLanes < batch.count; lane += 2 * kLanes) {
       const BatchLanes lanes[2] = {{batch, lane}, {batch, lane + kLanes}};
-      Post<Texels, kPlain, kLit, 2>(frame, lights, batch, lanes, fine, coarse).run();
+      Post<Texels, kPlain, kLit, 2>(frame, lights, batch, lanes, fine, coarse).run(runs);
     }
   }
   for (; lane < batch.count; lane += kLanes) {
     const BatchLanes lanes[1] = {{batch, lane}};
-    Post<Texels, kPlain, kLit, 1>(frame, lights, batch, lanes, fine, coarse).run();
+    Post<Texels, kPlain, kLit, 1>(frame, lights, batch, lanes, fine, coarse).run(runs);
   }
 }
 
 template <bool kPlain, typename Texels>
-void post_all(const FrameView& frame, StretchBatch& batch, const Texels& fine, const Texels& coarse) {
-  if (!frame.lighting.lighting.enabled) return post_rows<kPlain, Lit::no>(frame, batch, fine, coarse);
+void post_all(const FrameView& frame, StretchBatch& batch, const StepRuns& runs, const Texels& fine,
+              const Texels& coarse) {
+  if (!frame.lighting.lighting.enabled) return post_rows<kPlain, Lit::no>(frame, batch, runs, fine, coarse);
   if constexpr (kPlain && Texels::kWhole) {
     const Shading<Texels::kWhole> lights(frame);
-    if (lights.by_one()) return post_rows<kPlain, Lit::by_one>(frame, batch, fine, coarse);
+    if (lights.by_one()) return post_rows<kPlain, Lit::by_one>(frame, batch, runs, fine, coarse);
   }
-  post_rows<kPlain, Lit::by_any>(frame, batch, fine, coarse);
+  post_rows<kPlain, Lit::by_any>(frame, batch, runs, fine, coarse);
 }
 
+/// By FrameView::step_colors.
 template <typename Voxel>
 void post_of(const FrameView& frame, StretchBatch& batch) {
+  batch.opaque_count = 0;
   const PlainTexels<Voxel> fine(batch.fine.brick), coarse(batch.coarse.brick);
   if (batch.blended) {
-    post_all<false>(frame, batch, fine, coarse);
-  } else {
-    post_all<true>(frame, batch, fine, coarse);
+    batch.put_in_order();
+    return post_all<false>(frame, batch, StepRuns(), fine, coarse);
   }
+  bool has_quads = false;
+  in_runs<LooksAt::centres>(batch, [&](const StepRuns& runs) HWY_ATTR {
+    if constexpr (std::is_same_v<Voxel, std::uint8_t>) {
+      has_quads = has_quads || makes_quads(batch);
+      const QuadTexels quads{batch.quads};
+      if (has_quads) return post_all<true>(frame, batch, runs, quads, quads);
+    }
+    post_all<true>(frame, batch, runs, fine, coarse);
+  });
 }
 
 /// Of several channels, or where opacity depends on gradients.
@@ -366,19 +374,20 @@ class Classified {
 
 }  // namespace
 
+template <typename Voxel>
+void post(const FrameView& frame, StretchBatch& batch) {
+  if (frame.step_colors == nullptr) return composite_each_step<Classified<Voxel>>(frame, batch);
+  post_of<Voxel>(frame, batch);
+}
+
 void post_u8(const FrameView& frame, StretchBatch& batch) {
-  if (frame.step_colors == nullptr) return composite_each_step<Classified<std::uint8_t>>(frame, batch);
-  if (batch.blended || !makes_quads(batch)) return post_of<std::uint8_t>(frame, batch);
-  const QuadTexels quads{batch.quads};
-  post_all<true>(frame, batch, quads, quads);
+  post<std::uint8_t>(frame, batch);
 }
 void post_u16(const FrameView& frame, StretchBatch& batch) {
-  if (frame.step_colors == nullptr) return composite_each_step<Classified<std::uint16_t>>(frame, batch);
-  post_of<std::uint16_t>(frame, batch);
+  post<std::uint16_t>(frame, batch);
 }
 void post_f32(const FrameView& frame, StretchBatch& batch) {
-  if (frame.step_colors == nullptr) return composite_each_step<Classified<float>>(frame, batch);
-  post_of<float>(frame, batch);
+  post<float>(frame, batch);
 }
 
 }  // namespace gvx::render::HWY_NAMESPACE

@@ -57,6 +57,7 @@ void project_mode(const FrameView& frame, StretchBatch& batch) {
   constexpr std::size_t kLanes = hn::MaxLanes(kFloats);
   const std::size_t plane_bytes = plane_texels(batch.m) * sizeof(Voxel);
   batch.opaque_count = 0;
+  batch.put_in_order();
   for (std::size_t lane = 0; lane < batch.count; lane += 2 * kLanes) {
     const BatchLanes lanes[2] = {{batch, lane}, {batch, lane + kLanes}};
     Float gathered[4][2];

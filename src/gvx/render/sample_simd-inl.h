@@ -10,6 +10,7 @@
 #define GVX_RENDER_SAMPLE_SIMD_INL_H
 #endif
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -19,7 +20,6 @@
 
 #include "gvx/render/stretch_batch.h"
 #include "gvx/render/unroll.h"
-#include "gvx/render/visible_cells.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
@@ -135,8 +135,8 @@ struct TexelPlace {
   }
 };
 
-/// The same of places that are certain to be in the brick, but for rounding; counted in texels from the
-/// centre of the first.
+/// The same of places that are certain to be between the centres of a brick's texels, but for rounding;
+/// counted in texels from the centre of the first.
 class PlacesInside {
  public:
   HWY_INLINE explicit PlacesInside(int edge) {
@@ -144,6 +144,14 @@ class PlacesInside {
     row_ = all(static_cast<float>(row));
     slice_ = all(static_cast<float>(row * row));
     last_ = hn::Set(kBits, static_cast<std::uint32_t>(edge * (row * row + row + 1)));
+    end_ = all(std::nextafter(static_cast<float>(edge + 1), 0.0f));
+  }
+
+  /// The nearest such place, of one that is farther out.
+  HWY_INLINE Vec3v held(const Vec3v& texel) const {
+    const Float zero = hn::Zero(kFloats);
+    const auto on_axis = [&](Float x) HWY_ATTR { return hn::Min(hn::Max(x, zero), end_); };
+    return {on_axis(texel.x), on_axis(texel.y), on_axis(texel.z)};
   }
 
   HWY_INLINE TexelPlace at(const Vec3v& texel) const {
@@ -157,7 +165,7 @@ class PlacesInside {
  private:
   static constexpr hn::RebindToUnsigned<Ints> kBits{};
 
-  Float row_, slice_;
+  Float row_, slice_, end_;
   hn::Vec<hn::RebindToUnsigned<Ints>> last_;
 };
 
@@ -270,6 +278,33 @@ struct PlainTexels {
   HWY_INLINE Corners read(Int index, int row, int slice) const { return load(index, row, slice); }
 };
 
+/// Texels of bytes around a place, by x + 2 * y: that at z in the lower half of a lane, the next in the
+/// upper.
+struct PairsAlongZ {
+  Int at[4];
+};
+/// Of PlainTexels: from each row the first two of the four bytes, by y + 2 * z.
+struct BytesAround {
+  Int row[4];
+};
+HWY_INLINE BytesAround load_bytes(const PlainTexels<std::uint8_t>& from, Int index, int row, int slice) {
+  const auto at = [&](int offset) HWY_ATTR {
+    return hn::GatherOffset(kInts, reinterpret_cast<const std::int32_t*>(from.texels + offset), index);
+  };
+  return {{at(0), at(row), at(slice), at(slice + row)}};
+}
+HWY_INLINE PairsAlongZ pairs_along_z(const BytesAround& bytes) {
+  PairsAlongZ pairs;
+  const Int first = all_ints(0xff), second = all_ints(0xff00);
+  for (int y = 0; y < 2; ++y) {
+    const Int here = bytes.row[y], next = bytes.row[y + 2];
+    pairs.at[2 * y] = hn::Or(hn::And(here, first), hn::ShiftLeft<16>(hn::And(next, first)));
+    pairs.at[2 * y + 1] =
+        hn::Or(hn::ShiftRight<8>(hn::And(here, second)), hn::ShiftLeft<8>(hn::And(next, second)));
+  }
+  return pairs;
+}
+
 /// Of each texel the four of which it is the low corner across x (StretchBatch::quads): two of these, side by
 /// side, are all eight.
 struct QuadTexels {
@@ -323,6 +358,22 @@ struct QuadTexels {
   }
 };
 
+HWY_INLINE QuadTexels::Raw load_bytes(const QuadTexels& from, Int index, int row, int slice) {
+  return from.load(index, row, slice);
+}
+HWY_INLINE PairsAlongZ pairs_along_z(const QuadTexels::Raw& raw) {
+  const auto even = [](Int quad) HWY_ATTR { return hn::And(quad, all_ints(0x00ff00ff)); };
+  const auto odd = [&](Int quad) HWY_ATTR {
+#if HWY_TARGET == HWY_SCALAR
+    return even(hn::ShiftRight<8>(quad));
+#else
+    const hn::Repartition<std::uint16_t, Ints> halves;
+    return hn::BitCast(kInts, hn::ShiftRight<8>(hn::BitCast(halves, quad)));
+#endif
+  };
+  return {{even(raw.low), even(raw.high), odd(raw.low), odd(raw.high)}};
+}
+
 /// Fills StretchBatch::quads from a brick of bytes.
 HWY_INLINE void make_quads(StretchBatch& batch) {
   const auto* texels = reinterpret_cast<const std::uint8_t*>(batch.fine.brick);
@@ -365,77 +416,6 @@ HWY_INLINE bool makes_quads(StretchBatch& batch) {
   make_quads(batch);
   return true;
 }
-
-/// Are the bits of these numbers, from 0 to 63, set in `cells` (visible_cells.h)?
-HWY_INLINE Mask are_set(std::uint64_t cells, Int index) {
-  const Int low = all_ints(static_cast<std::int32_t>(cells & 0xffffffffu));
-  const Int high = all_ints(static_cast<std::int32_t>(cells >> 32));
-  const Int half = hn::IfThenElse(hn::Gt(index, all_ints(31)), high, low);
-  const Int to_sign = hn::AndNot(index, all_ints(31));
-  return hn::RebindMask(kFloats, hn::MaskFromVec(hn::BroadcastSignBit(hn::Shl(half, to_sign))));
-}
-
-/// Is the cell at p one that can be seen?
-HWY_INLINE Mask in_visible_cell(std::uint64_t cells, int edge, const Vec3v& p) {
-  const Float cells_per_voxel = all(static_cast<float>(kCellsAcross) / static_cast<float>(edge));
-  const Float across = all(static_cast<float>(kCellsAcross));
-  const auto cell = [&](Float x) HWY_ATTR {
-    const Float held = hn::Min(hn::Max(hn::Mul(x, cells_per_voxel), hn::Zero(kFloats)),
-                               all(static_cast<float>(kCellsAcross) - 0.5f));
-    return hn::Floor(held);
-  };
-  const Float x = cell(p.x), y = cell(p.y), z = cell(p.z);
-  return are_set(cells, whole(hn::MulAdd(hn::MulAdd(z, across, y), across, x)));
-}
-
-/// The same at places as of PlacesInside. A cell's values reach half a voxel beyond it: so that a place
-/// may be moved by a 64th of a cell, away from the brick's faces.
-class VisibleCells {
- public:
-  HWY_INLINE VisibleCells(std::uint64_t cells, int edge) : cells_(cells) {
-    constexpr float kMoved = 1.0f / 64;
-    const float scale = (1 - kMoved / 2) * kCellsAcross / static_cast<float>(edge);
-    scale_ = all(scale);
-    // Added to it, a power of two has a place as a whole number of its last bits: two of which are the cell.
-    const auto begin_at = [&](int exponent) HWY_ATTR {
-      return all(static_cast<float>(1 << exponent) + kMoved - 0.5f * scale);
-    };
-    first_ = {begin_at(23 - kBit), begin_at(21 - kBit), begin_at(19 - kBit)};
-#if HWY_TARGET == HWY_AVX3
-    low_ = _mm512_movm_epi16(static_cast<__mmask32>(cells & 0xffffffffu));
-    high_ = _mm512_movm_epi16(static_cast<__mmask32>(cells >> 32));
-#endif
-  }
-
-  HWY_INLINE Mask at(const Vec3v& texel) const {
-    const auto cell = [&](Float place, Float first)
-                          HWY_ATTR { return hn::BitCast(kInts, hn::MulAdd(place, scale_, first)); };
-    const Int x = cell(texel.x, first_.x), y = cell(texel.y, first_.y), z = cell(texel.z, first_.z);
-    const Int of_y = all_ints(3 << (kBit + 2)), of_z = all_ints(3 << (kBit + 4));
-#if HWY_TARGET == HWY_AVX3
-    constexpr int kChoose = 0xca;  // the second where the first has bits, else the third
-    const __m512i xy = _mm512_ternarylogic_epi32(of_y.raw, y.raw, x.raw, kChoose);
-    const __m512i xyz = _mm512_ternarylogic_epi32(of_z.raw, z.raw, xy, kChoose);
-    // A word of each cell; of a lane's two only the lower is looked at.
-    const __m512i word = _mm512_permutex2var_epi16(low_, _mm512_srli_epi32(xyz, kBit), high_);
-    return hn::RebindMask(kFloats, hn::Mask<Ints>{_mm512_test_epi32_mask(word, _mm512_set1_epi32(0xffff))});
-#else
-    const Int of_x = all_ints(3 << kBit);
-    const Int xyz = hn::Or(hn::Or(hn::And(x, of_x), hn::And(y, of_y)), hn::And(z, of_z));
-    return are_set(cells_, hn::ShiftRight<kBit>(xyz));
-#endif
-  }
-
- private:
-  static constexpr int kBit = 10;  // where x is; y and z are above
-
-  [[maybe_unused]] std::uint64_t cells_;
-  Float scale_;
-  Vec3v first_;
-#if HWY_TARGET == HWY_AVX3
-  __m512i low_, high_;
-#endif
-};
 
 HWY_INLINE Float trilinear(const Corners& at, const Vec3v& weight) {
   const auto& c = at.corner;
@@ -511,42 +491,38 @@ HWY_INLINE Int sum_of_products(Int a, Int b) {
 #endif
 }
 
-/// cell_samples at places that are certain to be in the brick, but for rounding; counted in texels from the
-/// centre of the first.
+/// cell_samples at places as of PlacesInside.
 template <typename Texels, bool kGradient>
 class SamplesInside {
  public:
-  static constexpr float kUnit = 1;  ///< what values are multiples of
+  static constexpr bool kBytes =
+      std::is_same_v<Texels, QuadTexels> || std::is_same_v<Texels, PlainTexels<std::uint8_t>>;
+  /// Values of bytes: first along z, in whole numbers, where texels weigh so many 2^14ths. (With gradients
+  /// that is no gain: these are of differences along x first.)
+  static constexpr bool kInWholeNumbers = kBytes && !kGradient;
+  static constexpr int kOne = 1 << 14;
+  static constexpr float kUnit = kInWholeNumbers ? 1.0f / kOne : 1;  ///< what values are multiples of
 
   HWY_INLINE SamplesInside(const Texels& texels, int edge) : texels_(texels), edge_(edge), places_(edge) {}
 
   template <int kVectors>
   HWY_INLINE void find(const Vec3v (&texel)[kVectors], CellSample (&samples)[kVectors]) const {
-    cell_samples_at(
-        texels_, edge_, [&](int k) HWY_ATTR { return places_.at(texel[k]); }, kGradient, samples);
+    if constexpr (kInWholeNumbers) {
+      find_bytes(texel, samples);
+    } else {
+      cell_samples_at(
+          texels_, edge_, [&](int k) HWY_ATTR { return places_.at(texel[k]); }, kGradient, samples);
+    }
   }
 
  private:
-  const Texels texels_;
-  const int edge_;
-  const PlacesInside places_;
-};
-
-/// Values of bytes: first along z, in whole numbers, where texels weigh so many 2^14ths. (With gradients that
-/// is no gain: these are of differences along x first.)
-template <>
-class SamplesInside<QuadTexels, false> {
- public:
-  static constexpr int kOne = 1 << 14;
-  static constexpr float kUnit = 1.0f / kOne;
-
-  HWY_INLINE SamplesInside(const QuadTexels& texels, int edge) : texels_(texels), places_(edge) {}
+  static constexpr float kFirstOfWeights = 1 << 9;  // from here on the last of a float's bits is a 2^14th
 
   template <int kVectors>
-  HWY_INLINE void find(const Vec3v (&texel)[kVectors], CellSample (&samples)[kVectors]) const {
+  HWY_INLINE void find_bytes(const Vec3v (&texel)[kVectors], CellSample (&samples)[kVectors]) const {
     Int weights[kVectors];
     Float weight_x[kVectors], weight_y[kVectors];
-    QuadTexels::Raw raw[kVectors];
+    decltype(load_bytes(texels_, weights[0], 0, 0)) bytes[kVectors];
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
       const TexelPlace place = places_.at(texel[k]);
       weight_x[k] = place.weight.x;
@@ -554,35 +530,19 @@ class SamplesInside<QuadTexels, false> {
       const Float bits_of_z = hn::Add(place.weight.z, all(kFirstOfWeights));
       const Int upper = hn::And(hn::BitCast(kInts, bits_of_z), all_ints(2 * kOne - 1));
       weights[k] = hn::Add(hn::ShiftLeft<16>(upper), hn::Sub(all_ints(kOne), upper));
-      raw[k] = texels_.load(place.index, 0, 0);
+      bytes[k] = load_bytes(texels_, place.index, edge_ + 2, (edge_ + 2) * (edge_ + 2));
     }
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
-      const Float wx = weight_x[k], wy = weight_y[k];
-      const Float c00 = sum(even(raw[k].low), weights[k]), c10 = sum(even(raw[k].high), weights[k]);
-      const Float c01 = sum(odd(raw[k].low), weights[k]), c11 = sum(odd(raw[k].high), weights[k]);
-      samples[k].value = mix(mix(c00, c10, wx), mix(c01, c11, wx), wy);
+      const PairsAlongZ pairs = pairs_along_z(bytes[k]);
+      const auto sum = [&](int i) HWY_ATTR {
+        return hn::ConvertTo(kFloats, sum_of_products(pairs.at[i], weights[k]));
+      };
+      samples[k].value = mix(mix(sum(0), sum(1), weight_x[k]), mix(sum(2), sum(3), weight_x[k]), weight_y[k]);
     }
   }
 
- private:
-  static constexpr float kFirstOfWeights = 1 << 9;  // from here on the last of a float's bits is a 2^14th
-
-  /// Of the texels at y, in the lower half that at z.
-  HWY_INLINE static Int even(Int quad) { return hn::And(quad, all_ints(0x00ff00ff)); }
-  /// Of those at the next y.
-  HWY_INLINE static Int odd(Int quad) {
-#if HWY_TARGET == HWY_SCALAR
-    return even(hn::ShiftRight<8>(quad));
-#else
-    const hn::Repartition<std::uint16_t, Ints> halves;
-    return hn::BitCast(kInts, hn::ShiftRight<8>(hn::BitCast(halves, quad)));
-#endif
-  }
-  HWY_INLINE static Float sum(Int texels, Int weights) {
-    return hn::ConvertTo(kFloats, sum_of_products(texels, weights));
-  }
-
-  const QuadTexels texels_;
+  const Texels texels_;
+  const int edge_;
   const PlacesInside places_;
 };
 

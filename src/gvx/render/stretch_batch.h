@@ -45,8 +45,14 @@ struct StretchBatch {
   std::uint64_t cells = ~std::uint64_t(0);
 
   std::uint32_t count = 0;                ///< rows
-  std::uint8_t length[kMost + 8];         ///< of each row: its steps, or 255
+  std::uint8_t length[kMost + 16];        ///< of each row: its steps, or 255; of runs those in it
   alignas(64) std::int32_t order[kMost];  ///< in which rows are put side by side: those of like lengths
+
+  /// Where only some steps are taken, those that can be seen by `cells`: of each row the run that is taken
+  /// now, its first step and from kRunBits on how many; and of a window of 31 steps those that are left.
+  static constexpr int kRunBits = 16;
+  alignas(64) std::int32_t run[kMost + 16];
+  alignas(64) std::uint32_t to_take[kMost + 16];
 
   /// Of all rays, by their numbers: unit directions towards the eye (x, y, z and one of no concern); what
   /// they have gathered (RayState: red, green, blue, opacity).
@@ -66,7 +72,6 @@ struct StretchBatch {
 
   /// Where a brick of bytes is put, if that pays: of each texel itself, the next along y, the next along z,
   /// and the one that is next along both, from the lowest bits up.
-  bool has_quads = false;
   alignas(64) std::uint32_t quads[plane_texels(32)];
 
   float steps(std::uint32_t i) const { return fine.row[i][3]; }
@@ -80,7 +85,7 @@ struct StretchBatch {
 const char* instruction_set();
 
 /// Adds what is seen of every ray's stretch of scalars of one channel to what it has gathered. A ray's bits
-/// do not depend on the others in the batch.
+/// do not depend on the others in the batch. (All of these put the rows in order.)
 void composite_batch(const FrameView& frame, StretchBatch& batch);
 
 /// The same of several channels.

@@ -368,7 +368,6 @@ class TileMarcher {
     const FrameView& frame = view_.frame;
     StretchBatch& batch = work_.batch;
     if (vectors_ == Vectors::none) return gather_ray_by_ray(place, wanted, level);
-    batch.put_in_order();
     gather_batch(vectors_, frame, batch);
     for (std::uint32_t i = 0; i < batch.opaque_count; ++i)
       retire(static_cast<std::uint32_t>(batch.opaque[i]));

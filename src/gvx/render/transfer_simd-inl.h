@@ -44,6 +44,8 @@ class Function {
  public:
   explicit Function(const scene::TransferView& view) : view_(view) {}
 
+  float entries_per_value() const { return view_.to_entry_scale; }
+  float first_entry() const { return view_.to_entry_offset; }
   HWY_INLINE Float entry_of(Float stored) const {
     return hn::Add(hn::Mul(stored, all(view_.to_entry_scale)), all(view_.to_entry_offset));
   }
