@@ -95,6 +95,14 @@ TEST(Vectors, show_what_one_ray_at_a_time_shows) {
   variant("unlit", [](auto& v) { v.lighting.enabled = false; });
   variant("steep", [](auto& v) { v.functions[0].opacities = {{0.5, 0}, {0.53, 0.9}}; });
   variant("thin layer", [](auto& v) { v.functions[0].opacities = {{0.5, 0}, {0.52, 0.8}, {0.54, 0}}; });
+  // Steps whose ends may be far outside of a brick, and so many that they are looked for in several goes.
+  for (const double samples : {1.0, 6.0}) {
+    variant(samples < 2 ? "long steps" : "short steps", [&](auto& v) {
+      v.samples_per_voxel = samples;
+      v.functions[0].opacities = {{0.5, 0}, {0.52, 0.4}, {0.54, 0}};
+      if (samples < 2) v.camera.eye = v.camera.target + Vec3d(0, -length(v.camera.eye - v.camera.target), 0);
+    });
+  }
   variant("visible at the ends", [](auto& v) {
     v.functions[0].opacities = {{0.3, 0.5}, {0.5, 0}, {0.7, 0.6}};
   });
