@@ -106,38 +106,36 @@ HWY_INLINE void put_rows(const hn::Vec<D> (&v)[4], unsigned taken, float* rows, 
 /// The same of rows of eight, of two times four vectors' numbers.
 HWY_INLINE void put_rows_of_8(const HalfFloat (&v)[4], const HalfFloat (&w)[4], unsigned taken,
                               float (*rows)[8]) {
-#if HWY_TARGET != HWY_SCALAR
-  if constexpr (hn::MaxLanes(kHalfFloats) == 8) {
-    const hn::RepartitionToWide<HalfFloats> pairs;
-    // Row k has lanes k and k + 4.
-    const auto turn = [&](const HalfFloat(&from)[4], HalfFloat(&row)[4]) HWY_ATTR {
-      const auto low = [&](int i, int j) HWY_ATTR {
-        return hn::BitCast(pairs, hn::InterleaveLower(kHalfFloats, from[i], from[j]));
-      };
-      const auto high = [&](int i, int j) HWY_ATTR {
-        return hn::BitCast(pairs, hn::InterleaveUpper(kHalfFloats, from[i], from[j]));
-      };
-      row[0] = hn::BitCast(kHalfFloats, hn::InterleaveLower(pairs, low(0, 1), low(2, 3)));
-      row[1] = hn::BitCast(kHalfFloats, hn::InterleaveUpper(pairs, low(0, 1), low(2, 3)));
-      row[2] = hn::BitCast(kHalfFloats, hn::InterleaveLower(pairs, high(0, 1), high(2, 3)));
-      row[3] = hn::BitCast(kHalfFloats, hn::InterleaveUpper(pairs, high(0, 1), high(2, 3)));
+#if HWY_MAX_BYTES == 64
+  const hn::RepartitionToWide<HalfFloats> pairs;
+  // Row k has lanes k and k + 4.
+  const auto turn = [&](const HalfFloat(&from)[4], HalfFloat(&row)[4]) HWY_ATTR {
+    const auto low = [&](int i, int j) HWY_ATTR {
+      return hn::BitCast(pairs, hn::InterleaveLower(kHalfFloats, from[i], from[j]));
     };
-    HalfFloat a[4], b[4];
-    turn(v, a);
-    turn(w, b);
-    for (int k = 0; k < 4; ++k, taken >>= 1) {
-      hn::StoreU(hn::ConcatLowerLower(kHalfFloats, b[k], a[k]), kHalfFloats, *rows);
-      rows += taken & 1;
-    }
-    for (int k = 0; k < 4; ++k, taken >>= 1) {
-      hn::StoreU(hn::ConcatUpperUpper(kHalfFloats, b[k], a[k]), kHalfFloats, *rows);
-      rows += taken & 1;
-    }
-    return;
+    const auto high = [&](int i, int j) HWY_ATTR {
+      return hn::BitCast(pairs, hn::InterleaveUpper(kHalfFloats, from[i], from[j]));
+    };
+    row[0] = hn::BitCast(kHalfFloats, hn::InterleaveLower(pairs, low(0, 1), low(2, 3)));
+    row[1] = hn::BitCast(kHalfFloats, hn::InterleaveUpper(pairs, low(0, 1), low(2, 3)));
+    row[2] = hn::BitCast(kHalfFloats, hn::InterleaveLower(pairs, high(0, 1), high(2, 3)));
+    row[3] = hn::BitCast(kHalfFloats, hn::InterleaveUpper(pairs, high(0, 1), high(2, 3)));
+  };
+  HalfFloat a[4], b[4];
+  turn(v, a);
+  turn(w, b);
+  for (int k = 0; k < 4; ++k, taken >>= 1) {
+    hn::StoreU(hn::ConcatLowerLower(kHalfFloats, b[k], a[k]), kHalfFloats, *rows);
+    rows += taken & 1;
   }
-#endif
+  for (int k = 0; k < 4; ++k, taken >>= 1) {
+    hn::StoreU(hn::ConcatUpperUpper(kHalfFloats, b[k], a[k]), kHalfFloats, *rows);
+    rows += taken & 1;
+  }
+#else
   put_rows(v, taken, *rows, 8);
   put_rows(w, taken, *rows + 4, 8);
+#endif
 }
 
 HWY_INLINE unsigned bits_of(Mask mask) {
