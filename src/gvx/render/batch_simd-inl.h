@@ -46,6 +46,12 @@ struct PathRows {
   HWY_INLINE Vec3v at(Float i) const { return along(first, per_step, i); }
 };
 
+/// A place in voxels from a brick's low corner, in texels from the centre of its first.
+HWY_INLINE Vec3v in_texels(const Vec3v& p) {
+  const Float half = all(0.5f);
+  return {hn::Add(p.x, half), hn::Add(p.y, half), hn::Add(p.z, half)};
+}
+
 HWY_INLINE Vec3v mix(const Vec3v& a, const Vec3v& b, Float weight) {
   return {mix(a.x, b.x, weight), mix(a.y, b.y, weight), mix(a.z, b.z, weight)};
 }

@@ -191,7 +191,7 @@ class Rays {
         brick_(brick),
         lanes_(batch, rows, count),
         fine_(lanes_.fine(batch)),
-        first_texel_(from_first_texel(fine_.first)),
+        first_texel_(in_texels(fine_.first)),
         coarse_(!kPlain && batch.blended ? lanes_.coarse(batch) : fine_),
         to_eye_(lights.lit() ? lanes_.to_eye(batch) : fine_.first) {
     lanes_.find_ends(batch, runs, fine_, first_step_, end_);
@@ -329,10 +329,6 @@ class Rays {
   }
 
  private:
-  HWY_INLINE static Vec3v from_first_texel(const Vec3v& p) {
-    const Float half = all(0.5f);
-    return {hn::Add(p.x, half), hn::Add(p.y, half), hn::Add(p.z, half)};
-  }
   /// Place i, in texels of a plain brick: in it, or the nearest to it that is.
   HWY_INLINE Vec3v texel_at(Float i) const {
     return brick_.places.held(along(first_texel_, fine_.per_step, i));

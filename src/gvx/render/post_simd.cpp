@@ -90,7 +90,8 @@ class Post {
     Vec3v color[kVectors], to_eye[kVectors];
     typename Lights::FarHalves halves[kVectors];
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
-      path[k] = in_texels(lanes_[k].fine(batch_));
+      path[k] = lanes_[k].fine(batch_);
+      path[k].first = in_texels(path[k].first);
       lanes_[k].find_ends(batch_, runs, path[k], first[k], end[k]);
       path[k].first = path[k].at(first[k]);
       end[k] = hn::Sub(end[k], first[k]);
@@ -194,18 +195,12 @@ class Post {
     Light light[kVectors];
   };
 
-  /// From the centre of the brick's first texel.
-  HWY_INLINE static PathRows in_texels(PathRows path) {
-    const Float half = all(0.5f);
-    path.first = {hn::Add(path.first.x, half), hn::Add(path.first.y, half), hn::Add(path.first.z, half)};
-    return path;
-  }
-
   HWY_INLINE void blend_in_coarse(const Samples& coarse_samples, Float i, const Float (&last_step)[kVectors],
                                   Float (&blend)[kVectors], CellSample (&sample)[kVectors]) const {
     Vec3v texel[kVectors];
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
-      const PathRows path = in_texels(lanes_[k].coarse(batch_));
+      PathRows path = lanes_[k].coarse(batch_);
+      path.first = in_texels(path.first);
       blend[k] = share_at(path, i);
       texel[k] = path.at(hn::Min(i, last_step[k]));
     }

@@ -131,10 +131,6 @@ class Function {
                hn::GatherIndex(kFloats, view_.gradient_factor + 1, at), hn::Sub(entry, low));
   }
 
-  HWY_INLINE Mask above_first(Float entry) const { return hn::Gt(entry, all(view_.first_visible)); }
-  HWY_INLINE Mask visible(Float entry) const {
-    return hn::And(above_first(entry), hn::Lt(entry, all(view_.last_visible)));
-  }
   HWY_INLINE Mask invisible(Float a, Float b) const {
     return hn::Or(hn::Le(hn::Max(a, b), all(view_.first_visible)),
                   hn::Ge(hn::Min(a, b), all(view_.last_visible)));

@@ -64,6 +64,8 @@ class VisibleCells {
     per_step = {hn::Mul(path.per_step.x, scale_), hn::Mul(path.per_step.y, scale_),
                 hn::Mul(path.per_step.z, scale_)};
   }
+
+  /// At a place on such a way.
   HWY_INLINE Mask of_cell(const Vec3v& place) const {
     const Int x = hn::BitCast(kInts, place.x), y = hn::BitCast(kInts, place.y),
               z = hn::BitCast(kInts, place.z);
