@@ -61,14 +61,14 @@ class Means {
 
   /// Of the lanes of `mask`; the others' matter is 0. Of a plain function paths must join.
   GVX_PIECE Matter mean(Float from, Float to, Float variance3, Mask mask) {
-    const Float centre = hn::Mul(all(0.5f), hn::Add(from, to));
     widen(variance3, from, to);
     Matter m;
     for (Float& part : m.part) part = hn::Zero(kFloats);
     mask = hn::AndNot(function_->invisible(from, to), mask);
-    const Mask uneven = hn::AndNot(function_->is_even(from, to), mask);
+    const Mask in_parabola = function_->is_in_parabola(from, to);
+    const Mask uneven = hn::AndNot(hn::Or(in_parabola, function_->is_even(from, to)), mask);
     const bool some_even = !none(hn::AndNot(uneven, mask)), some_uneven = !none(uneven);
-    if (some_even) m = function_->density_at(centre);
+    if (some_even) m = function_->even_mean(from, to, in_parabola);
     if (some_uneven) {
       if (!kPlain || !known_) function_->read(from, reading_[last_]);
       function_->read(to, reading_[1 - last_]);

@@ -89,11 +89,21 @@ class Function {
   }
 
   HWY_INLINE Mask is_even(Float from, Float to) const {
-    const Float width = hn::Abs(hn::Sub(to, from)), lower = hn::Min(from, to), upper = hn::Max(from, to);
+    return hn::Or(hn::Le(hn::Abs(hn::Sub(to, from)), all(view_.even.width)),
+                  hn::Ge(hn::Min(from, to), all(view_.even.above)));
+  }
+  HWY_INLINE Mask is_in_parabola(Float from, Float to) const {
+    const scene::TransferView::Parabola& p = view_.even.piece;
     const Mask inside =
-        hn::And(hn::Ge(lower, hn::Zero(kFloats)), hn::Le(upper, all(static_cast<float>(view_.entries - 1))));
-    const Float most = hn::IfThenElse(inside, all(view_.even_width_inside), all(view_.even_width));
-    return hn::Or(hn::Le(width, most), hn::Ge(lower, all(view_.even_above)));
+        hn::And(hn::Ge(hn::Min(from, to), all(p.first)), hn::Le(hn::Max(from, to), all(p.last)));
+    return hn::And(inside, hn::Le(hn::Abs(hn::Sub(to, from)), all(p.width)));
+  }
+  /// What is half way, and along the parabola in the lanes of `mask`.
+  HWY_INLINE Matter even_mean(Float from, Float to, Mask mask) const {
+    Matter m = density_at(hn::Mul(all(0.5f), hn::Add(from, to)));
+    const Float width = hn::Sub(to, from), square = hn::IfThenElseZero(mask, hn::Mul(width, width));
+    add(m, square, view_.even.piece.bend);
+    return m;
   }
 
   HWY_INLINE Matter density_at(Float entry) const {

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "gvx/scene/even_means.h"
+
 namespace gvx::scene {
 namespace {
 
@@ -110,76 +112,13 @@ void count_visible(TransferTable& table) {
   }
 }
 
-/// The table's running integrals as plain numbers, also beyond its ends.
-class RunningMatter {
- public:
-  explicit RunningMatter(const TransferTable& table)
-      : first_(parts(table.matter.front())), last_(parts(table.matter.back())) {
-    Parts sum{};
-    for (const TransferView::Integral& entry : table.integral) {
-      sums_.push_back(sum);
-      for (std::size_t i = 0; i < 4; ++i) {
-        sum[i] += double(entry.density[i]);
-        greatest_[i] = std::max(greatest_[i], double(entry.density[i]));
-      }
-    }
-  }
-
-  /// Is the mean of the `half` entries to either side of one that of each of the two beside it, to a small
-  /// share of the greatest?
-  bool is_even(std::int64_t middle, std::int64_t half) const {
-    constexpr double kTolerance = 1.0 / 1024;
-    const Parts from = at(middle - half), to = at(middle + half);
-    const Parts before = at(middle - 1), here = at(middle), behind = at(middle + 1);
-    for (std::size_t i = 0; i < 4; ++i) {
-      const double mean = (to[i] - from[i]) / double(2 * half), most = kTolerance * greatest_[i];
-      if (std::abs(mean - (here[i] - before[i])) > most || std::abs(mean - (behind[i] - here[i])) > most) {
-        return false;
-      }
-    }
-    return true;
-  }
-
- private:
-  using Parts = std::array<double, 4>;
-  static Parts parts(const Matter& m) { return {m.color.x, m.color.y, m.color.z, m.extinction}; }
-
-  Parts at(std::int64_t entry) const {
-    const auto last = static_cast<std::int64_t>(sums_.size()) - 1;
-    Parts sum = sums_[static_cast<std::size_t>(std::clamp(entry, std::int64_t(0), last))];
-    for (std::size_t i = 0; i < 4; ++i) {
-      if (entry < 0) sum[i] += double(entry) * first_[i];
-      if (entry > last) sum[i] += double(entry - last) * last_[i];
-    }
-    return sum;
-  }
-
-  Parts first_, last_, greatest_{};
-  std::vector<Parts> sums_;
-};
-
-/// Over how many entries, and from which entry on, lookups half way are means.
-void find_even(TransferTable& table) {
-  const RunningMatter matter(table);
-  const auto entries = static_cast<std::int64_t>(table.integral.size());
-  // The last entry below which an interval of so many is not even, of those with these middles; or -1.
-  const auto last_uneven = [&](std::int64_t half, std::int64_t first_middle, std::int64_t last_middle) {
-    std::int64_t middle = last_middle;
-    while (middle >= first_middle && matter.is_even(middle, half)) --middle;
-    return middle >= first_middle ? middle - half : -half - 1;
-  };
-  table.even_width = table.even_width_inside = TransferView::kNarrow;
-  std::int64_t above = 0;
-  bool everywhere = true, inside = true;
-  for (std::int64_t half = 1; 2 * half < entries; half *= 2) {
-    const std::int64_t uneven = last_uneven(half, 1 - half, entries + half);
-    everywhere = everywhere && uneven < -half;
-    inside = inside && last_uneven(half, half, entries - 1 - half) < -half;
-    above = std::max(above, uneven + 1);
-    if (everywhere) table.even_width = static_cast<float>(2 * half);
-    if (inside) table.even_width_inside = static_cast<float>(2 * half);
-  }
-  table.even_above = static_cast<float>(above);
+/// Where a function's slopes may change, in entries of a table.
+std::vector<double> bends_of(const TransferFunction& function, double first, double width) {
+  std::vector<double> bends;
+  for (const ColorPoint& point : function.colors) bends.push_back((point.value - first) / width);
+  for (const OpacityPoint& point : function.opacities) bends.push_back((point.value - first) / width);
+  std::sort(bends.begin(), bends.end());
+  return bends;
 }
 
 }  // namespace
@@ -195,9 +134,7 @@ TransferView TransferTable::view() const {
   v.integrals_per_unit = integral_unit > 0 ? 1 / integral_unit : 0;
   v.first_visible = first_visible;
   v.last_visible = last_visible;
-  v.even_width = even_width;
-  v.even_width_inside = even_width_inside;
-  v.even_above = even_above;
+  v.even = even;
   v.to_entry_scale = to_entry_scale;
   v.to_entry_offset = to_entry_offset;
   v.to_gradient_entry = to_gradient_entry;
@@ -241,7 +178,7 @@ TransferTable bake(const TransferFunction& function, double scale, double offset
       sum[c] += mean[c];
     }
   }
-  find_even(table);
+  find_even_means(bends_of(function, first, width), table);
   if (!function.gradients.empty()) {
     const double steepest = std::max(function.gradients.back().gradient, 1e-30);
     for (int i = 0; i < TransferView::kGradientEntries; ++i) {

@@ -85,6 +85,24 @@ struct TransferView {
     float density[4];
   };
 
+  /// So narrow, in entries, the integrals' differences would be of few of their units: these are even.
+  static constexpr float kNarrow = 0.125f;
+
+  /// A piece of the table in which matter goes along a parabola: the mean of an interval in it that is no
+  /// wider than `width` is what is half way, and `bend` times the square of the interval's width.
+  struct Parabola {
+    float first = 0, last = 0;  ///< entries
+    float width = 0;
+    Matter bend;
+  };
+
+  /// Where means are known from one lookup.
+  struct Even {
+    float width = kNarrow;  ///< intervals of no more entries than this have the mean of what is half way
+    float above = 0;        ///< and all that begin no lower than this entry
+    Parabola piece;
+  };
+
   const Matter* matter = nullptr;      ///< `entries` of them
   const Integral* integral = nullptr;  ///< one an entry
   const std::uint32_t* visible_before =
@@ -94,16 +112,12 @@ struct TransferView {
   int entries = 0;
   float integral_unit = 0, integrals_per_unit = 0;  ///< one is the other's inverse
   float first_visible = 0, last_visible = 0;        ///< up to the one and from the other on nothing is seen
-  float even_width = 0;         ///< intervals of no more entries than this are taken to be even
-  float even_width_inside = 0;  ///< and of no more than this where both are of the table
-  float even_above = 0;         ///< and all that begin no lower than this entry
+  Even even;
   float to_entry_scale = 0, to_entry_offset = 0;
   float to_gradient_entry = 0;  ///< from a gradient in stored values per world unit
 
   static constexpr int kEntries = 4096;  ///< of a table of scalars; labels have one each
   static constexpr int kGradientEntries = 256;
-  /// So narrow, in entries, the integrals' differences would be of few of their units: even_width is no less.
-  static constexpr float kNarrow = 0.125f;
 
   GVX_HD float entry_of(float stored) const { return stored * to_entry_scale + to_entry_offset; }
 
@@ -153,14 +167,22 @@ struct TransferView {
   /// The mean matter of the entries from one to another.
   GVX_HD Matter mean(float from, float to) const {
     if (invisible(from, to)) return {};
-    return is_even(from, to) ? density_at(0.5f * (from + to)) : mean(read(from), read(to));
+    if (!is_in_parabola(from, to)) {
+      return is_even(from, to) ? density_at(0.5f * (from + to)) : mean(read(from), read(to));
+    }
+    const Matter half_way = density_at(0.5f * (from + to));
+    const float square = (to - from) * (to - from);
+    return {half_way.color + square * even.piece.bend.color,
+            half_way.extinction + square * even.piece.bend.extinction};
   }
 
   /// Is the function so even between two entries that its mean there is what it is half way?
   GVX_HD bool is_even(float from, float to) const {
-    const float width = std::fabs(to - from), lower = std::fmin(from, to), upper = std::fmax(from, to);
-    const bool inside = lower >= 0.0f && upper <= static_cast<float>(entries - 1);
-    return !(width > (inside ? even_width_inside : even_width)) || lower >= even_above;
+    return !(std::fabs(to - from) > even.width) || std::fmin(from, to) >= even.above;
+  }
+  GVX_HD bool is_in_parabola(float from, float to) const {
+    const Parabola& p = even.piece;
+    return std::fmin(from, to) >= p.first && std::fmax(from, to) <= p.last && std::fabs(to - from) <= p.width;
   }
 
   /// The mean matter of as little around an entry as the table tells apart; below the first, that behind it.
@@ -243,7 +265,7 @@ struct TransferTable {
   std::vector<float> gradient_factor;  ///< empty where the gradient does not matter
   float integral_unit = 0;
   float first_visible = 0, last_visible = 0;
-  float even_width = 0, even_width_inside = 0, even_above = 0;
+  TransferView::Even even;
   float to_entry_scale = 0, to_entry_offset = 0;
   float to_gradient_entry = 0;
 

@@ -100,17 +100,51 @@ TEST(TransferTable, even_functions_are_looked_up_half_way_but_not_across_their_e
   }
 }
 
+TEST(TransferTable, wide_intervals_of_a_smooth_piece_are_looked_up_half_way_too) {
+  std::mt19937 random(10);
+  std::uniform_real_distribution<float> value(0, 100);
+  const std::vector<ColorPoint> colors = {{0, {0.2, 0.3, 0.9}}, {100, {1, 0.9, 0.1}}};
+  const TransferFunction haze = {colors, {{0, 0}, {100, 0.02}}, 0};
+  const TransferFunction surface = {colors, {{0, 0}, {20, 0}, {20.1, 0.8}, {100, 0.9}}, 0};
+  const TransferFunction steep = {colors, {{0, 0}, {10, 0}, {90, 0.8}, {100, 0}}, 0};
+  for (const TransferFunction& function : {haze, surface, steep}) {
+    const TransferTable table = bake(function, 1, 0, 16);
+    const TransferView view = table.view();
+    int wide = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const float share = i % 3 == 0 ? 1 : i % 3 == 1 ? 0.1f : 0.005f;
+      const float a = value(random), b = a + share * (value(random) - a);
+      const float from = view.entry_of(a), to = view.entry_of(b);
+      if (!view.is_in_parabola(from, to)) continue;
+      wide += std::fabs(to - from) > 4 * view.even.width ? 1 : 0;
+      double extinction = 0, green = 0;
+      constexpr int kParts = 2000;
+      for (int k = 0; k < kParts; ++k) {
+        const double v = a + (double(b) - a) * (k + 0.5) / kParts, e = -std::log1p(-function.opacity(v));
+        extinction += e / kParts;
+        green += e * function.color(v).y / kParts;
+      }
+      const Matter m = view.mean(from, to);
+      const double greatest = -std::log1p(-function.opacities[function.opacities.size() - 2].opacity);
+      const double tolerance = 1.2e-3 * std::max(greatest, -std::log1p(-function.opacities.back().opacity));
+      ASSERT_NEAR(m.extinction, extinction, tolerance) << a << ' ' << b;
+      ASSERT_NEAR(m.color.y, green, tolerance) << a << ' ' << b;
+    }
+    EXPECT_GT(wide, 500);
+  }
+}
+
 TEST(TransferTable, a_spike_is_even_nowhere_and_a_constant_everywhere) {
   const TransferFunction spike = {{{0, {1, 1, 1}}}, {{0, 0}, {50, 0}, {50.02, 0.9}, {50.04, 0}, {100, 0}}, 0};
   const TransferTable uneven = bake(spike, 1, 0, 16);
-  EXPECT_EQ(uneven.even_width, TransferView::kNarrow);
-  EXPECT_EQ(uneven.even_width_inside, TransferView::kNarrow);
-  EXPECT_GT(uneven.even_above, uneven.view().entry_of(50));
-  EXPECT_LT(uneven.even_above, uneven.view().entry_of(51));
+  EXPECT_EQ(uneven.even.width, TransferView::kNarrow);
+  EXPECT_GT(uneven.even.above, uneven.view().entry_of(50));
+  EXPECT_LT(uneven.even.above, uneven.view().entry_of(51));
+  EXPECT_EQ(uneven.even.piece.width, TransferView::kNarrow);
   EXPECT_GE(uneven.first_visible, uneven.view().entry_of(49.9f));
   EXPECT_LE(uneven.last_visible, uneven.view().entry_of(50.1f));
   const TransferTable constant = bake({{{0, {1, 1, 1}}}, {{0, 0.5}, {100, 0.5}}, 0}, 1, 0, 16);
-  EXPECT_GE(constant.even_width, TransferView::kEntries / 2);
+  EXPECT_GE(constant.even.width, TransferView::kEntries / 2);
   EXPECT_LT(constant.first_visible, -1e6f);
   EXPECT_GT(constant.last_visible, 1e6f);
 }

@@ -1,0 +1,15 @@
+/// \file
+/// Over which intervals of a transfer table one lookup half way gives the mean.
+#pragma once
+
+#include <vector>
+
+#include "gvx/scene/transfer_function.h"
+
+namespace gvx::scene {
+
+/// Fills in TransferTable::even. `bends` are where the function's slopes may change, in entries, sorted.
+/// Means are then right to 1/1024 of the greatest matter.
+void find_even_means(const std::vector<double>& bends, TransferTable& table);
+
+}  // namespace gvx::scene
