@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""How fast is gvx's CPU renderer beside VTK's and a NanoVDB ray caster, on the same work?
+"""How fast is gvx's CPU renderer beside VTK's and ray casters over NanoVDB and Open VKL, on the same work?
 
     bench/peers/run [--frames N] [--threads N] [--only TEXT] [--narrow]
 
@@ -49,7 +49,9 @@ FUNCTIONS = {
 # The light is the camera's.
 LIGHTING = {"ambient": 0.2, "diffuse": 0.8, "specular": 0.3, "shininess": 10,
             "lights": [{"kind": "camera", "place": [0, 0, 1], "color": [1, 1, 1]}]}
-SYSTEMS = {"gvx": "gvx", "vtk": "VTK", "nanovdb": "NanoVDB"}
+SYSTEMS = {"gvx": "gvx", "vtk": "VTK", "nanovdb": "NanoVDB", "vkl": "Open VKL"}
+# Ray casters over libraries that may not be there, and what they need.
+CASTERS = {"nanovdb": "libnanovdb-dev", "vkl": "Open VKL 2"}
 
 
 def camera():
@@ -107,11 +109,12 @@ def start(volume, threads, narrow):
     gvx = [build / "bench/peers/gvx_peers_gvx", store, threads]
     systems = [System("gvx", gvx + ["narrow"] * narrow),
                System("vtk", ["/usr/bin/python3", here / "vtk_frames.py", raw, volumes.SIZE, threads])]
-    nanovdb = build / "bench/peers/gvx_peers_nanovdb"
-    if nanovdb.exists():
-        systems.append(System("nanovdb", [nanovdb, raw, volumes.SIZE, threads]))
-    else:
-        print("NanoVDB: left out, libnanovdb-dev was not found when this was built", file=sys.stderr)
+    for name, needed in CASTERS.items():
+        program = build / f"bench/peers/gvx_peers_{name}"
+        if program.exists():
+            systems.append(System(name, [program, raw, volumes.SIZE, threads]))
+        else:
+            print(f"{SYSTEMS[name]}: left out, {needed} was not found when this was built", file=sys.stderr)
     return systems
 
 

@@ -6,12 +6,9 @@
 //     gvx_peers_nanovdb FILE.raw SIZE THREADS          SIZE^3 u8 voxels
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <fstream>
-#include <memory>
+#include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include <nanovdb/NanoVDB.h>
@@ -20,42 +17,16 @@
 #include <nanovdb/util/NodeManager.h>
 #include <nanovdb/util/Ray.h>
 #include <nanovdb/util/SampleFromVoxels.h>
-#include <tbb/blocked_range2d.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
-#include "frames.h"
+#include "ray_caster.h"
 
 namespace {
 
 using namespace gvx;
+using bench::Voxels;
 using Vector = nanovdb::Vec3f;
-using Clock = std::chrono::steady_clock;
 
-constexpr int kLeaf = 8;                    // voxels along a leaf
-constexpr int kEntries = 4096;              // of the table of the function
-constexpr int kTile = 16;                   // pixels
-constexpr float kOpaque = 1 - 1.0f / 1024;  // gvx's
-
-/// The voxels as they are in the file.
-struct Voxels {
-  int size = 0;
-  std::vector<std::uint8_t> value;
-
-  std::uint8_t at(int x, int y, int z) const {
-    return value[(static_cast<std::size_t>(z) * size + y) * size + x];
-  }
-};
-
-Result<Voxels> read_voxels(const std::string& path, int size) {
-  Voxels voxels{size, std::vector<std::uint8_t>(static_cast<std::size_t>(size) * size * size)};
-  std::ifstream in(path, std::ios::binary);
-  const auto bytes = static_cast<std::streamsize>(voxels.value.size());
-  if (!in.read(reinterpret_cast<char*>(voxels.value.data()), bytes)) {
-    return Error{path + ": does not hold " + std::to_string(bytes) + " bytes"};
-  }
-  return voxels;
-}
+constexpr int kLeaf = 8;  // voxels along a leaf
 
 /// Of all cells whose lower corner is in a leaf: they reach a voxel beyond it.
 struct LeafRange {
@@ -97,81 +68,20 @@ nanovdb::GridHandle<> build_grid(const Voxels& voxels) {
   return builder.getHandle<>();
 }
 
-/// The function at one value: opacity of a step and colour.
-struct Matter {
-  Vector color{0.0f};
-  float opacity = 0;
-};
-
-struct Pixel {
-  Vector color{0.0f};
-  float opacity = 0;
-};
-
-class NanoSystem : public bench::PeerSystem {
+class NanoCaster : public bench::RayCaster {
  public:
-  NanoSystem(const Voxels& voxels, int threads)
-      : size_(voxels.size), handle_(build_grid(voxels)), grid_(handle_.grid<float>()), arena_(threads) {
-    leaves_across_ = (size_ + kLeaf - 1) / kLeaf;
-    for (int z = 0; z < size_; z += kLeaf) {
-      for (int y = 0; y < size_; y += kLeaf) {
-        for (int x = 0; x < size_; x += kLeaf) {
+  NanoCaster(const Voxels& voxels, int threads)
+      : RayCaster(voxels.size, threads),
+        leaves_across_((voxels.size + kLeaf - 1) / kLeaf),
+        handle_(build_grid(voxels)),
+        grid_(handle_.grid<float>()) {
+    for (int z = 0; z < voxels.size; z += kLeaf) {
+      for (int y = 0; y < voxels.size; y += kLeaf) {
+        for (int x = 0; x < voxels.size; x += kLeaf) {
           ranges_.push_back(range_of(voxels, {x, y, z}));
         }
       }
     }
-  }
-
-  Status look(const bench::PeerView& view) override {
-    view_ = view;
-    table_.resize(kEntries + 1);
-    for (int i = 0; i <= kEntries; ++i) {
-      const double value = 255.0 * i / kEntries;
-      const Vec3f color(view.function.color(value));
-      table_[static_cast<std::size_t>(i)] = {{color.x, color.y, color.z},
-                                             static_cast<float>(view.function.opacity(value))};
-    }
-    glint_.resize(kEntries + 1);
-    for (int i = 0; i <= kEntries; ++i) {
-      const float cosine = static_cast<float>(i) / kEntries;
-      glint_[static_cast<std::size_t>(i)] =
-          view.lighting.specular * std::pow(cosine, view.lighting.shininess);
-    }
-    double low = 255, high = 0;  // of the values that the function tells apart
-    const auto widen = [&](double value) {
-      low = std::min(low, value);
-      high = std::max(high, value);
-    };
-    for (const auto& point : view.function.colors) widen(point.value);
-    for (const auto& point : view.function.opacities) widen(point.value);
-    soft_ = static_cast<float>((high - low) * scene::kSoftGradient);
-    mark_skipped();
-    pixels_.assign(static_cast<std::size_t>(view.width) * view.height, {});
-    return {};
-  }
-
-  Result<double> frame(const scene::Camera& camera) override {
-    GVX_ASSIGN(const scene::CameraView rays, scene::make_view(camera, view_.width, view_.height));
-    const auto start = Clock::now();
-    arena_.execute([&] {
-      tbb::parallel_for(
-          tbb::blocked_range2d<int>(0, int(view_.height), kTile, 0, int(view_.width), kTile),
-          [&](const tbb::blocked_range2d<int>& tile) {
-            view_.lighting.enabled ? draw<true>(rays, tile) : draw<false>(rays, tile);
-          },
-          tbb::simple_partitioner());
-    });
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-  }
-
-  std::vector<std::uint8_t> rgb() const override {
-    std::vector<std::uint8_t> bytes;
-    for (const Pixel& pixel : pixels_) {
-      for (int i = 0; i < 3; ++i) {
-        bytes.push_back(static_cast<std::uint8_t>(std::clamp(pixel.color[i], 0.0f, 1.0f) * 255 + 0.5f));
-      }
-    }
-    return bytes;
   }
 
  private:
@@ -179,12 +89,12 @@ class NanoSystem : public bench::PeerSystem {
   using Sampler = nanovdb::TrilinearSampler<Accessor>;
 
   /// Sets the bit that has Accessor::getDim leap over a node where no cell of it shows anything.
-  void mark_skipped() {
+  void prepare() override {
     auto nodes = nanovdb::createNodeManager(*grid_);
     auto& manager = *nodes.template mgr<float>();
     std::vector<bool> leaf_shows(ranges_.size());
     for (std::size_t i = 0; i < ranges_.size(); ++i) {
-      leaf_shows[i] = !view_.function.transparent(ranges_[i].minimum, ranges_[i].maximum);
+      leaf_shows[i] = !view().function.transparent(ranges_[i].minimum, ranges_[i].maximum);
     }
     const auto shows = [&](nanovdb::Coord origin, int across) {
       const int end = leaves_across_;
@@ -214,30 +124,27 @@ class NanoSystem : public bench::PeerSystem {
     for (std::uint32_t i = 0; i < manager.nodeCount(2); ++i) set(manager.upper(i).data()->mFlags, false);
   }
 
+  void draw(const scene::CameraView& rays, const Tile& tile) override {
+    view().lighting.enabled ? draw_all<true>(rays, tile) : draw_all<false>(rays, tile);
+  }
   template <bool kLit>
-  void draw(const scene::CameraView& rays, const tbb::blocked_range2d<int>& tile) {
+  void draw_all(const scene::CameraView& rays, const Tile& tile) {
     const Accessor accessor = grid_->getAccessor();
     const Sampler sampler(accessor);
-    const Vec3f back(-rays.forward);
-    const Vector to_light(back.x, back.y, back.z);
+    const Vec3f to_light(-rays.forward);
     for (int y = tile.rows().begin(); y < tile.rows().end(); ++y) {
       for (int x = tile.cols().begin(); x < tile.cols().end(); ++x) {
-        pixels_[static_cast<std::size_t>(y) * view_.width + static_cast<std::size_t>(x)] =
-            cast<kLit>(accessor, sampler, rays.pixel_ray(x, y), to_light);
+        pixel(x, y) = cast<kLit>(accessor, sampler, way(rays, x, y), to_light);
       }
     }
   }
 
-  /// Steps of one voxel, sampled at their centres, from where the ray enters the box of the voxels' centres.
   template <bool kLit>
-  Pixel cast(const Accessor& accessor, const Sampler& sampler, const Ray& world,
-             const Vector& to_light) const {
+  Pixel cast(const Accessor& accessor, const Sampler& sampler, const Way& way, const Vec3f& to_light) const {
     Pixel pixel;
-    const RayInterval inside = intersect(world, {Vec3d(0), Vec3d(size_ - 1)}, 0, 1e300);
-    if (inside.empty()) return pixel;
-    const Vec3f from(world.at(inside.enter)), along(world.direction);
-    const float length = static_cast<float>(inside.exit - inside.enter);
-    const nanovdb::Ray<float> ray({from.x, from.y, from.z}, {along.x, along.y, along.z}, 0.0f, length);
+    if (!(way.length > 0)) return pixel;
+    const nanovdb::Ray<float> ray({way.from.x, way.from.y, way.from.z},
+                                  {way.along.x, way.along.y, way.along.z}, 0.0f, way.length);
     nanovdb::HDDA<nanovdb::Ray<float>> hdda(ray, kLeaf);
     float t = 0.5f;
     do {
@@ -245,26 +152,20 @@ class NanoSystem : public bench::PeerSystem {
       hdda.update(ray, std::max(dim, kLeaf));
       const float end = hdda.next();
       // A node of many voxels is one to skip, or a tile of one value.
-      if (dim > 1 && !(opacity_of(accessor.getValue(hdda.voxel())) > 0)) {
+      if (dim > 1 && !(matter_of(accessor.getValue(hdda.voxel())).opacity > 0)) {
         t += std::max(0.0f, std::ceil(end - t));
         continue;
       }
       for (; t < end; t += 1.0f) {
-        add<kLit>(sampler, ray(t), ray.dir(), to_light, pixel);
+        see<kLit>(sampler, ray(t), way.along, to_light, pixel);
         if (pixel.opacity >= kOpaque) return pixel;
       }
     } while (hdda.step());
     return pixel;
   }
 
-  float opacity_of(float value) const { return matter_of(value).opacity; }
-  const Matter& matter_of(float value) const {
-    return table_[static_cast<std::size_t>(value * (kEntries / 255.0f) + 0.5f)];
-  }
-
-  /// Puts a sample behind what was gathered, lit as scene::LightingView::shade does.
   template <bool kLit>
-  void add(const Sampler& sampler, const Vector& place, const Vector& ahead, const Vector& to_light,
+  void see(const Sampler& sampler, const Vector& place, const Vec3f& ahead, const Vec3f& to_light,
            Pixel& pixel) const {
     // The cell's voxels are fetched once, for value and gradient.
     float cell[2][2][2];
@@ -273,52 +174,22 @@ class NanoSystem : public bench::PeerSystem {
     sampler.stencil(low, cell);
     const Matter& matter = matter_of(Sampler::sample(within, cell));
     if (!(matter.opacity > 0)) return;
-    Vector color = matter.color;
     if constexpr (kLit) {
-      const Vector gradient = Sampler::gradient(within, cell);
-      const float square = gradient.lengthSqr();
-      float facing = 1, glint = 0;
-      if (square > 0) {
-        const float certainty = square / (square + soft_ * soft_);
-        const Vector normal = gradient * (1 / std::sqrt(square));
-        Vector half = to_light - ahead;
-        half = half * (1 / half.length());
-        const float mirrored = std::min(std::fabs(normal.dot(half)), 1.0f);
-        facing = 1 + certainty * (std::fabs(normal.dot(to_light)) - 1);
-        glint = certainty * glint_[static_cast<std::size_t>(mirrored * kEntries + 0.5f)];
-      }
-      const scene::Lighting& light = view_.lighting;
-      color = color * (light.ambient + light.diffuse * facing) + Vector(glint);
+      const Vector g = Sampler::gradient(within, cell);
+      add(lit(matter.color, {g[0], g[1], g[2]}, ahead, to_light), matter.opacity, pixel);
+    } else {
+      add(matter.color, matter.opacity, pixel);
     }
-    const float weight = (1 - pixel.opacity) * matter.opacity;
-    pixel.color += color * weight;
-    pixel.opacity += weight;
   }
 
-  int size_, leaves_across_ = 0;
+  int leaves_across_;
   std::vector<LeafRange> ranges_;  // of the leaves' cells, x fastest
   nanovdb::GridHandle<> handle_;
   nanovdb::NanoGrid<float>* grid_;
-  tbb::task_arena arena_;
-  bench::PeerView view_;
-  std::vector<Matter> table_;
-  std::vector<float> glint_;  // by the cosine between normal and half vector
-  float soft_ = 0;            // gradient of matter that is half a surface, as gvx takes it
-  std::vector<Pixel> pixels_;
 };
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
-    std::fprintf(stderr, "usage: gvx_peers_nanovdb FILE.raw SIZE THREADS\n");
-    return 2;
-  }
-  auto voxels = read_voxels(argv[1], std::atoi(argv[2]));
-  if (!voxels.ok()) {
-    std::fprintf(stderr, "%s\n", voxels.error().message.c_str());
-    return 1;
-  }
-  NanoSystem system(voxels.value(), std::atoi(argv[3]));
-  return bench::serve(system);
+  return bench::serve_caster<NanoCaster>(argc, argv);
 }
