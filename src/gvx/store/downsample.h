@@ -7,9 +7,11 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <span>
 #include <type_traits>
 
 namespace gvx::store {
@@ -114,6 +116,24 @@ inline std::uint8_t deviation_code(float deviation, float unit) {
   const auto bits = std::bit_cast<std::uint32_t>(deviation / unit);
   const std::uint32_t rounded_bits = (bits + (1u << (kDropped - 1))) >> kDropped;
   return static_cast<std::uint8_t>(std::clamp(rounded_bits, kOne + 1, kOne + 255) - kOne);
+}
+
+/// The codes of many.
+inline void deviation_codes(std::span<const float> deviations, float unit, std::byte* codes) {
+  for (std::size_t i = 0; i < deviations.size(); ++i) {
+    codes[i] = static_cast<std::byte>(deviation_code(deviations[i], unit));
+  }
+}
+
+/// Up to kEights sums, each of 2 x 2 x 2 numbers that stand in four rows.
+inline void sum_eights(const float* const (&row)[4], std::int64_t count, float* sums) {
+  float sum[kEights];  // nobody else's: the compiler makes vectors of it
+  for (std::int64_t x = 0; x < count; ++x) {
+    float s = 0;
+    for (const float* const numbers : row) s += numbers[2 * x] + numbers[2 * x + 1];
+    sum[x] = s;
+  }
+  std::copy_n(sum, count, sums);
 }
 
 /// The least and the greatest of many rows of voxels.

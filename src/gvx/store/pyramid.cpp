@@ -334,23 +334,26 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
         for (std::size_t r = 0; r < 4; ++r) rows[r] = slice(variances, level, zs[r / 2]) + ys[r % 2] * d.x;
         const std::int64_t x0 = nx * m - 2;
         float* const row_deviations = deviations.data() + i;
-        const bool inside = x0 >= 0 && x0 + 2 * edge <= d.x;
-        for (std::int64_t h = 0; h < edge; ++h) {
-          std::int64_t xs[2] = {x0 + 2 * h, x0 + 2 * h + 1};
-          if (!inside) pair(x0 + 2 * h, d.x, xs);
-          float sum = 0;
-          for (const float* const row : rows) sum += row[xs[0]] + row[xs[1]];
-          row_deviations[h] = std::sqrt(sum / 8);
+        if (x0 >= 0 && x0 + 2 * edge <= d.x) {
+          for (const float*& row : rows) row += x0;
+          sum_eights(rows, edge, row_deviations);
+        } else {
+          for (std::int64_t h = 0; h < edge; ++h) {
+            std::int64_t xs[2];
+            pair(x0 + 2 * h, d.x, xs);
+            float sum = 0;
+            for (const float* const row : rows) sum += row[xs[0]] + row[xs[1]];
+            row_deviations[h] = sum;
+          }
         }
+        for (std::int64_t h = 0; h < edge; ++h) row_deviations[h] = std::sqrt(row_deviations[h] / 8);
         for (std::int64_t h = 0; h < edge; ++h) greatest = std::max(greatest, row_deviations[h]);
         i += static_cast<std::size_t>(edge);
       }
     }
     const float unit = deviation_unit(greatest);
     std::memcpy(out, &unit, sizeof(unit));
-    for (std::size_t c = 0; c < i; ++c) {
-      out[sizeof(unit) + c] = static_cast<std::byte>(deviation_code(deviations[c], unit));
-    }
+    deviation_codes(deviations, unit, out + sizeof(unit));
   }
 
   /// The ranges of the node's own voxels and a rim of n around them.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -17,28 +18,24 @@ template <typename Voxel>
 class ValueHistogram {
  public:
   void add(const Voxel* voxels, std::int64_t count) {
-    // Two tables in turn: equal neighbours would otherwise wait for each other's increment.
-    std::uint32_t* const odd = odd_.data();
-    std::uint32_t* const even = even_.data();
-    std::fill(odd_.begin(), odd_.end(), 0u);
-    std::fill(even_.begin(), even_.end(), 0u);
+    // Tables in turn: equal neighbours would otherwise wait for each other's increment.
+    std::uint32_t* tables[kTables];
+    for (std::size_t k = 0; k < kTables; ++k) {
+      std::fill(tables_[k].begin(), tables_[k].end(), 0u);
+      tables[k] = tables_[k].data();
+    }
     std::int64_t i = 0;
     if constexpr (sizeof(Voxel) == 1) {
       for (; i + 8 <= count; i += 8) {
         std::uint64_t eight;
         std::memcpy(&eight, voxels + i, sizeof(eight));
-        for (int k = 0; k < 8; k += 2) {
-          ++even[eight >> (8 * k) & 255];
-          ++odd[eight >> (8 * k + 8) & 255];
-        }
+        for (std::size_t k = 0; k < 8; ++k) ++tables[k % kTables][eight >> (8 * k) & 255];
       }
     }
-    for (; i + 1 < count; i += 2) {
-      ++even[fine_bin(voxels[i])];
-      ++odd[fine_bin(voxels[i + 1])];
+    for (; i < count; ++i) ++tables[static_cast<std::size_t>(i) % kTables][fine_bin(voxels[i])];
+    for (const auto& table : tables_) {
+      for (std::size_t bin = 0; bin < fine_.size(); ++bin) fine_[bin] += table[bin];
     }
-    if (count % 2 != 0) ++even[fine_bin(voxels[count - 1])];
-    for (std::size_t bin = 0; bin < fine_.size(); ++bin) fine_[bin] += even_[bin] + odd_[bin];
   }
 
   void add(const ValueHistogram& other) {
@@ -61,6 +58,13 @@ class ValueHistogram {
 
  private:
   static constexpr std::size_t kFineBins = sizeof(Voxel) == 1 ? 256 : 65536;
+  static constexpr std::size_t kTables = sizeof(Voxel) == 1 ? 8 : 2;
+
+  static auto made_tables() {
+    std::array<std::vector<std::uint32_t>, kTables> tables;
+    for (auto& table : tables) table.resize(kFineBins);
+    return tables;
+  }
 
   /// The value itself, or the 16 high bits of a float's order-preserving image.
   static std::size_t fine_bin(Voxel v) {
@@ -83,8 +87,7 @@ class ValueHistogram {
   }
 
   std::vector<std::uint64_t> fine_ = std::vector<std::uint64_t>(kFineBins);
-  std::vector<std::uint32_t> odd_ = std::vector<std::uint32_t>(kFineBins);
-  std::vector<std::uint32_t> even_ = std::vector<std::uint32_t>(kFineBins);
+  std::array<std::vector<std::uint32_t>, kTables> tables_ = made_tables();
 };
 
 }  // namespace gvx::store
