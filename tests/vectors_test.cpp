@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 #include <tuple>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
@@ -50,27 +53,28 @@ void expect_alike_as_classified(TestScene scene, const std::string& what) {
   plain.one_ray_at_a_time = true;
   engine::Statistics counted;
   const render::Picture expected = render_exact(scene, exec::Device::cpu(), plain, &counted);
-  int tested = 0;
+  std::set<std::string> tested;
   for (const std::int64_t set : instruction_sets()) {
     use(set);
-    // Builds with sanitizers have fewer sets.
-    if (set != HWY_SCALAR && std::string(render::instruction_set()) != hwy::TargetName(set)) continue;
-    ++tested;
+    // Not all are in each build: then another serves, which has its turn anyway.
+    const std::string running = render::instruction_set();
+    if (!tested.insert(running).second) continue;
     engine::Statistics statistics;
     const render::Picture picture = render_exact(scene, exec::Device::cpu(), {}, &statistics);
     const float difference = greatest_difference(picture, expected);
     const double decibels = psnr(picture, expected);
-    EXPECT_LE(difference, kStepOf8Bits) << what << " with " << hwy::TargetName(set);
-    EXPECT_GE(decibels, 80) << what << " with " << hwy::TargetName(set);
+    EXPECT_LE(difference, kStepOf8Bits) << what << " with " << running;
+    EXPECT_GE(decibels, 80) << what << " with " << running;
     // Cells that cannot be seen are not sampled.
     EXPECT_LE(double(statistics.samples), 1.001 * double(counted.samples)) << what;
     EXPECT_GT(statistics.samples, 0u) << what;
-    std::printf("%-36s %-8s %6.1f dB, at most %.6f\n", what.c_str(), hwy::TargetName(set), decibels,
+    std::printf("%-36s %-8s %6.1f dB, at most %.6f\n", what.c_str(), running.c_str(), decibels,
                 double(difference));
     EXPECT_EQ(render_exact(scene, exec::Device::cpu(3), {0, engine::PoolSizes{150, 12}}).rgba, picture.rgba)
-        << what << " with " << hwy::TargetName(set);
+        << what << " with " << running;
   }
-  EXPECT_GE(tested, 2) << "with nothing but " << render::instruction_set();
+  // GCC compiles for one set of an ARM processor.
+  EXPECT_TRUE(tested.size() >= 2 || tested.contains("NEON")) << "with nothing but " << *tested.begin();
   hwy::SetSupportedTargetsForTest(0);
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
