@@ -82,7 +82,7 @@ class RunningMatter {
   }
 
   /// The parabola that is most like a piece, and the widest of its intervals for which it serves.
-  TransferView::Parabola likest(Piece piece) const {
+  TransferView::Parabola fitted(Piece piece) const {
     const std::int64_t middle = piece.first + piece.length() / 2, half = piece.length() / 2;
     const Parts wide = mean(middle - half, middle + half), here = mean(middle - 1, middle + 1);
     Parts bend;
@@ -126,7 +126,7 @@ float serves_for(const TransferView::Parabola& p) {
 
 }  // namespace
 
-void find_even_means(const std::vector<double>& bends, TransferTable& table) {
+void find_even_means(const std::vector<double>& stops, TransferTable& table) {
   const RunningMatter matter(table);
   const auto entries = static_cast<std::int64_t>(table.integral.size());
   // All intervals so wide that have something of the table.
@@ -139,19 +139,19 @@ void find_even_means(const std::vector<double>& bends, TransferTable& table) {
     if (middle > -half) even.above = std::max(even.above, static_cast<float>(middle - half + 1));
   }
 
-  // All of the table as it is, or one of its longest pieces between bends that can be seen.
+  // All of the table as it is, or one of its longest pieces between stops.
   constexpr std::int64_t kShortest = 16;
   constexpr std::size_t kTried = 2;
   std::vector<Piece> pieces;
-  for (std::size_t i = 0; i + 1 < bends.size(); ++i) {
-    const Piece piece{static_cast<std::int64_t>(std::ceil(bends[i])),
-                      static_cast<std::int64_t>(std::floor(bends[i + 1]))};
+  for (std::size_t i = 0; i + 1 < stops.size(); ++i) {
+    const Piece piece{static_cast<std::int64_t>(std::ceil(stops[i])),
+                      static_cast<std::int64_t>(std::floor(stops[i + 1]))};
     if (piece.length() >= kShortest && matter.is_seen(piece)) pieces.push_back(piece);
   }
   std::stable_sort(pieces.begin(), pieces.end(), [](Piece a, Piece b) { return a.length() > b.length(); });
   even.piece = matter.parabola({0, entries - 1}, {});
   for (std::size_t i = 0; i < std::min(pieces.size(), kTried); ++i) {
-    const TransferView::Parabola parabola = matter.likest(pieces[i]);
+    const TransferView::Parabola parabola = matter.fitted(pieces[i]);
     if (serves_for(parabola) > serves_for(even.piece)) even.piece = parabola;
   }
 }

@@ -8,8 +8,8 @@
 
 namespace gvx::scene {
 
-/// Fills in TransferTable::even. `bends` are where the function's slopes may change, in entries, sorted.
+/// Fills in TransferTable::even. `stops` are where the function's slopes may change, in entries, sorted.
 /// Means are then right to 1/1024 of the greatest matter.
-void find_even_means(const std::vector<double>& bends, TransferTable& table);
+void find_even_means(const std::vector<double>& stops, TransferTable& table);
 
 }  // namespace gvx::scene

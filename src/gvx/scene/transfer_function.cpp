@@ -113,12 +113,12 @@ void count_visible(TransferTable& table) {
 }
 
 /// Where a function's slopes may change, in entries of a table.
-std::vector<double> bends_of(const TransferFunction& function, double first, double width) {
-  std::vector<double> bends;
-  for (const ColorPoint& point : function.colors) bends.push_back((point.value - first) / width);
-  for (const OpacityPoint& point : function.opacities) bends.push_back((point.value - first) / width);
-  std::sort(bends.begin(), bends.end());
-  return bends;
+std::vector<double> stops_of(const TransferFunction& function, double first, double width) {
+  std::vector<double> stops;
+  for (const ColorPoint& point : function.colors) stops.push_back((point.value - first) / width);
+  for (const OpacityPoint& point : function.opacities) stops.push_back((point.value - first) / width);
+  std::sort(stops.begin(), stops.end());
+  return stops;
 }
 
 }  // namespace
@@ -178,7 +178,7 @@ TransferTable bake(const TransferFunction& function, double scale, double offset
       sum[c] += mean[c];
     }
   }
-  find_even_means(bends_of(function, first, width), table);
+  find_even_means(stops_of(function, first, width), table);
   if (!function.gradients.empty()) {
     const double steepest = std::max(function.gradients.back().gradient, 1e-30);
     for (int i = 0; i < TransferView::kGradientEntries; ++i) {
