@@ -5,6 +5,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "gvx/core/ray.h"
+
 namespace gvx::bench {
 namespace {
 

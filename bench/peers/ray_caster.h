@@ -17,6 +17,8 @@
 #include <tbb/task_arena.h>
 
 #include "frames.h"
+#include "gvx/core/result.h"
+#include "gvx/core/vec.h"
 
 namespace gvx::bench {
 
@@ -67,6 +69,8 @@ class RayCaster : public PeerSystem {
     return pixels_[static_cast<std::size_t>(y) * view_.width + static_cast<std::size_t>(x)];
   }
   Way way(const scene::CameraView& rays, int x, int y) const;
+  /// A coordinate in the box of the voxels' centres, where rounding may have put it outside.
+  float held(float coordinate) const { return std::clamp(coordinate, 0.0f, static_cast<float>(size_ - 1)); }
 
   const Matter& matter_of(float value) const {
     return table_[static_cast<std::size_t>(value * (kEntries / 255.0f) + 0.5f)];

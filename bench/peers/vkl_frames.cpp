@@ -1,12 +1,14 @@
 // Open VKL's frames for bench/peers: a ray caster over its CPU device, version 2. Packets of 4 x 4 rays by
-// its vectors of 16: interval iterators leap over what the function does not show, then steps of one voxel
-// are sampled, and the gradients of what is seen; oneTBB over tiles of pixels.
+// its vectors of 16, which it has with AVX-512 only: interval iterators leap over what the function does not
+// show, then steps of one voxel are sampled, and the gradients of what is seen; oneTBB over tiles of pixels.
 //
 //     gvx_peers_vkl FILE.raw SIZE THREADS          SIZE^3 u8 voxels
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
+#include <cstdlib>
 #include <vector>
 
 // The order matters.
@@ -46,13 +48,18 @@ std::vector<vkl_range1f> visible_ranges(const scene::TransferFunction& function)
   return ranges;
 }
 
+/// Ends the program where there is none, or none that has vectors of 16.
 VKLDevice open_device(int threads) {
   vklInit();
-  const VKLDevice device = vklNewDevice("cpu");
-  vklDeviceSetInt(device, "numThreads", threads);
-  vklDeviceSetString(device, "logOutput", "cerr");  // answers go to standard output
-  vklCommitDevice(device);
-  return device;
+  const VKLDevice device = vklNewDevice("cpu_16");
+  if (device) {
+    vklDeviceSetInt(device, "numThreads", threads);
+    vklDeviceSetString(device, "logOutput", "cerr");  // answers go to standard output
+    vklCommitDevice(device);
+    if (vklDeviceGetLastErrorCode(device) == VKL_NO_ERROR) return device;
+  }
+  std::fprintf(stderr, "Open VKL: no device cpu_16: a processor with AVX-512 is needed\n");
+  std::exit(1);
 }
 
 class VklCaster : public bench::RayCaster {
@@ -97,11 +104,12 @@ class VklCaster : public bench::RayCaster {
     vklSetData(context_, "valueRanges", data);
     vklRelease(data);
     vklCommit(context_);
+    iterator_bytes_ = vklGetIntervalIteratorSize16(&context_);
   }
 
   void draw(const scene::CameraView& rays, const Tile& tile) override {
     const Vec3f to_light(-rays.forward);
-    std::vector<char> iterator(vklGetIntervalIteratorSize16(&context_));
+    std::vector<char> iterator(iterator_bytes_);
     for (int y = tile.rows().begin(); y < tile.rows().end(); y += kAcross) {
       for (int x = tile.cols().begin(); x < tile.cols().end(); x += kAcross) {
         Packet packet;
@@ -137,9 +145,8 @@ class VklCaster : public bench::RayCaster {
       inside.lower[lane] = 0;
       inside.upper[lane] = way.length;
     }
-    const float times[kLanes] = {};
     const VKLIntervalIterator16 iterator =
-        vklInitIntervalIterator16(packet.goes_on, &context_, &from, &along, &inside, times, buffer.data());
+        vklInitIntervalIterator16(packet.goes_on, &context_, &from, &along, &inside, nullptr, buffer.data());
     while (true) {
       alignas(64) int found[kLanes] = {};
       VKLInterval16 interval;
@@ -166,11 +173,11 @@ class VklCaster : public bench::RayCaster {
     vkl_vvec3f16 place;
     int some = 0;
     for (int lane = 0; lane < kLanes; ++lane) {
-      steps[lane] = packet.place[lane] < end[lane] ? packet.goes_on[lane] : 0;
+      steps[lane] = packet.goes_on[lane] != 0 && packet.place[lane] < end[lane] ? -1 : 0;
       some |= steps[lane];
-      place.x[lane] = from.x[lane] + packet.place[lane] * along.x[lane];
-      place.y[lane] = from.y[lane] + packet.place[lane] * along.y[lane];
-      place.z[lane] = from.z[lane] + packet.place[lane] * along.z[lane];
+      place.x[lane] = held(from.x[lane] + packet.place[lane] * along.x[lane]);
+      place.y[lane] = held(from.y[lane] + packet.place[lane] * along.y[lane]);
+      place.z[lane] = held(from.z[lane] + packet.place[lane] * along.z[lane]);
     }
     if (some == 0) return false;
     alignas(64) float values[kLanes] = {};
@@ -205,6 +212,7 @@ class VklCaster : public bench::RayCaster {
   VKLSampler sampler_;
   VKLIntervalIteratorContext context_;  // of a view
   bool has_context_ = false;
+  std::size_t iterator_bytes_ = 0;
 };
 
 }  // namespace

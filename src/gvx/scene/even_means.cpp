@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 namespace gvx::scene {
 namespace {
@@ -22,7 +24,8 @@ struct Piece {
   std::int64_t length() const { return last - first; }
 };
 
-/// The widest even interval; where one is not, no wider one is looked for.
+/// The widest even interval, of those whose halves were asked for: doubled as long as it is, then bisected.
+/// Narrower ones are taken to be even, too.
 template <typename IsEven>
 float widest(const IsEven& is_even) {
   std::int64_t even = 0, uneven = 1;  // halves
@@ -44,7 +47,7 @@ class RunningMatter {
       sums_.push_back(sum);
       for (std::size_t i = 0; i < 4; ++i) {
         sum[i] += double(entry.density[i]);
-        greatest_[i] = std::max(greatest_[i], double(entry.density[i]));
+        greatest_[i] = std::max(greatest_[i], std::min(double(entry.density[i]), kOpaque));
       }
     }
   }
@@ -103,6 +106,9 @@ class RunningMatter {
   bool is_seen(Piece piece) const { return mean(piece.first, piece.last)[3] > 0; }
 
  private:
+  // Extinction that lets next to nothing through: how much more there is says nothing of what is too far off.
+  static constexpr double kOpaque = 7;
+
   Parts at(std::int64_t entry) const {
     const auto last = static_cast<std::int64_t>(sums_.size()) - 1;
     Parts sum = sums_[static_cast<std::size_t>(std::clamp(entry, std::int64_t(0), last))];

@@ -115,8 +115,12 @@ void count_visible(TransferTable& table) {
 /// Where a function's slopes may change, in entries of a table.
 std::vector<double> stops_of(const TransferFunction& function, double first, double width) {
   std::vector<double> stops;
-  for (const ColorPoint& point : function.colors) stops.push_back((point.value - first) / width);
-  for (const OpacityPoint& point : function.opacities) stops.push_back((point.value - first) / width);
+  const auto add = [&](double value) {
+    const double entry = (value - first) / width;  // of absurd values no number
+    if (entry >= 0 && entry <= TransferView::kEntries - 1) stops.push_back(entry);
+  };
+  for (const ColorPoint& point : function.colors) add(point.value);
+  for (const OpacityPoint& point : function.opacities) add(point.value);
   std::sort(stops.begin(), stops.end());
   return stops;
 }

@@ -89,7 +89,7 @@ struct TransferView {
   static constexpr float kNarrow = 0.125f;
 
   /// A piece of the table in which matter goes along a parabola: the mean of an interval in it that is no
-  /// wider than `width` is what is half way, and `bend` times the square of the interval's width.
+  /// wider than `width` is what is half way, plus `bend` times the square of the interval's width.
   struct Parabola {
     float first = 0, last = 0;  ///< entries
     float width = 0;

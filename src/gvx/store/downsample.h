@@ -118,7 +118,7 @@ inline std::uint8_t deviation_code(float deviation, float unit) {
   return static_cast<std::uint8_t>(std::clamp(rounded_bits, kOne + 1, kOne + 255) - kOne);
 }
 
-/// The codes of many.
+/// deviation_code() of each; `codes` has room for as many.
 inline void deviation_codes(std::span<const float> deviations, float unit, std::byte* codes) {
   for (std::size_t i = 0; i < deviations.size(); ++i) {
     codes[i] = static_cast<std::byte>(deviation_code(deviations[i], unit));

@@ -32,7 +32,11 @@ class ValueHistogram {
         for (std::size_t k = 0; k < 8; ++k) ++tables[k % kTables][eight >> (8 * k) & 255];
       }
     }
-    for (; i < count; ++i) ++tables[static_cast<std::size_t>(i) % kTables][fine_bin(voxels[i])];
+    for (; i + 1 < count; i += 2) {
+      ++tables[0][fine_bin(voxels[i])];
+      ++tables[1][fine_bin(voxels[i + 1])];
+    }
+    if (i < count) ++tables[0][fine_bin(voxels[i])];
     for (const auto& table : tables_) {
       for (std::size_t bin = 0; bin < fine_.size(); ++bin) fine_[bin] += table[bin];
     }
