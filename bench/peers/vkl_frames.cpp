@@ -80,7 +80,7 @@ class VklCaster : public bench::RayCaster {
     vklCommit(sampler_);
   }
   ~VklCaster() override {
-    if (has_context_) vklRelease(context_);
+    if (context_) vklRelease(context_);
     vklRelease(sampler_);
     vklRelease(volume_);
     vklReleaseDevice(device_);
@@ -96,11 +96,10 @@ class VklCaster : public bench::RayCaster {
   };
 
   void prepare() override {
-    if (has_context_) vklRelease(context_);
+    if (context_) vklRelease(context_);
     const std::vector<vkl_range1f> ranges = visible_ranges(view().function);
     const VKLData data = vklNewData(device_, ranges.size(), VKL_BOX1F, ranges.data(), VKL_DATA_DEFAULT, 0);
     context_ = vklNewIntervalIteratorContext(sampler_);
-    has_context_ = true;
     vklSetData(context_, "valueRanges", data);
     vklRelease(data);
     vklCommit(context_);
@@ -210,8 +209,7 @@ class VklCaster : public bench::RayCaster {
   VKLDevice device_;
   VKLVolume volume_;
   VKLSampler sampler_;
-  VKLIntervalIteratorContext context_;  // of a view
-  bool has_context_ = false;
+  VKLIntervalIteratorContext context_;  // of a view; none before the first
   std::size_t iterator_bytes_ = 0;
 };
 

@@ -59,7 +59,7 @@ class RunningMatter {
     return mean;
   }
 
-  /// Is the mean of the `half` entries to either side of one that of each of the two beside it and `bend`
+  /// Is the mean of the `half` entries to either side of one that of each of the two beside it plus `bend`
   /// times the square of their number, to a small share of the greatest?
   bool is_even(std::int64_t middle, std::int64_t half, const Parts& bend) const {
     constexpr double kTolerance = 1.0 / 1024;
@@ -84,7 +84,7 @@ class RunningMatter {
     return last_uneven(piece, half, bend) < piece.first + half;
   }
 
-  /// The parabola that is most like a piece, and the widest of its intervals for which it serves.
+  /// The one that is right for a piece as a whole.
   TransferView::Parabola fitted(Piece piece) const {
     const std::int64_t middle = piece.first + piece.length() / 2, half = piece.length() / 2;
     const Parts wide = mean(middle - half, middle + half), here = mean(middle - 1, middle + 1);
@@ -93,6 +93,7 @@ class RunningMatter {
     return parabola(piece, bend);
   }
 
+  /// One with this bend, and the widest of a piece's intervals for which it serves.
   TransferView::Parabola parabola(Piece piece, const Parts& bend) const {
     const auto serves = [&](std::int64_t half) {
       return 2 * half <= piece.length() && is_even(piece, half, bend);

@@ -7,11 +7,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <span>
 #include <type_traits>
 
 namespace gvx::store {
@@ -116,13 +114,6 @@ inline std::uint8_t deviation_code(float deviation, float unit) {
   const auto bits = std::bit_cast<std::uint32_t>(deviation / unit);
   const std::uint32_t rounded_bits = (bits + (1u << (kDropped - 1))) >> kDropped;
   return static_cast<std::uint8_t>(std::clamp(rounded_bits, kOne + 1, kOne + 255) - kOne);
-}
-
-/// deviation_code() of each; `codes` has room for as many.
-inline void deviation_codes(std::span<const float> deviations, float unit, std::byte* codes) {
-  for (std::size_t i = 0; i < deviations.size(); ++i) {
-    codes[i] = static_cast<std::byte>(deviation_code(deviations[i], unit));
-  }
 }
 
 /// Up to kEights sums, each of 2 x 2 x 2 numbers that stand in four rows.

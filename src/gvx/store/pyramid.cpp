@@ -353,7 +353,9 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     }
     const float unit = deviation_unit(greatest);
     std::memcpy(out, &unit, sizeof(unit));
-    deviation_codes(deviations, unit, out + sizeof(unit));
+    for (std::size_t c = 0; c < i; ++c) {
+      out[sizeof(unit) + c] = static_cast<std::byte>(deviation_code(deviations[c], unit));
+    }
   }
 
   /// The ranges of the node's own voxels and a rim of n around them.

@@ -29,7 +29,7 @@ class ValueHistogram {
       for (; i + 8 <= count; i += 8) {
         std::uint64_t eight;
         std::memcpy(&eight, voxels + i, sizeof(eight));
-        for (std::size_t k = 0; k < 8; ++k) ++tables[k % kTables][eight >> (8 * k) & 255];
+        for (std::size_t k = 0; k < 8; ++k) ++tables[k][eight >> (8 * k) & 255];
       }
     }
     for (; i + 1 < count; i += 2) {
