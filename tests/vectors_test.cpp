@@ -153,6 +153,9 @@ TEST(Vectors, of_every_voxel_type_and_arity) {
       const std::string what =
           std::string(voxel_name(type)) + " N" + std::to_string(n) + " M" + std::to_string(m);
       expect_alike(scene, what);
+      // Cells of either level are hidden.
+      scene.view.functions[0].opacities = {{0.6 * most, 0}, {0.7 * most, 0.8}};
+      expect_alike(scene, what + ", surfaces");
     }
   }
 }

@@ -94,7 +94,8 @@ class Channels {
   HWY_INLINE Float deviation_at(const Path& path, std::uint32_t channel, const Vec3v& p) const {
     const std::byte* first = path.brick + planes_ * plane_texels(batch_.m) * sizeof(Voxel);
     const std::byte* deviations = first + channel * deviation_bytes(static_cast<std::size_t>(edge_));
-    return deviation(reinterpret_cast<const std::uint8_t*>(deviations), edge_, p);
+    const PlainDeviations plane(reinterpret_cast<const std::uint8_t*>(deviations), edge_);
+    return plane.some() ? plane.at(PlacesInside(edge_).held(in_texels(p))) : hn::Zero(kFloats);
   }
   HWY_INLINE Float blend_at(Float i) const {
     return batch_.blended ? share_at(rays_.coarse, i) : hn::Zero(kFloats);

@@ -13,6 +13,7 @@
 #include <hwy/highway.h>
 #include <hwy/contrib/math/math-inl.h>
 #include "gvx/render/each_step_simd-inl.h"
+#include "gvx/render/gradient_simd-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();

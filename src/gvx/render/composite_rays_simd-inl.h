@@ -21,7 +21,11 @@
 
 #include <hwy/highway.h>
 
+#include "gvx/render/batch_simd-inl.h"
 #include "gvx/render/composite.h"
+#include "gvx/render/deviation_simd-inl.h"
+#include "gvx/render/gradient_simd-inl.h"
+#include "gvx/render/quads_simd-inl.h"
 #include "gvx/render/sample_simd-inl.h"
 #include "gvx/render/shade_simd-inl.h"
 #include "gvx/render/stretch_batch.h"
@@ -147,52 +151,109 @@ struct Slope {
   Float blend;
 };
 
-/// What all rays of a batch go through: its fine brick, and what its values are in the function.
-template <typename Texels>
-struct FineBrick {
-  using Samples = SamplesInside<Texels, false>;
+/// How bricks lie in memory: as they are stored.
+template <typename Voxel_>
+struct AsStored {
+  using Voxel = Voxel_;
+  using Texels = PlainTexels<Voxel>;
+  using Deviations = PlainDeviations;
 
-  HWY_INLINE FineBrick(const FrameView& frame, const StretchBatch& batch, const Texels& of)
-      : texels(of),
-        edge(static_cast<int>(batch.m)),
+  HWY_INLINE static Texels texels(const StretchBatch::Path& path) { return Texels(path.brick); }
+  HWY_INLINE static Deviations deviations(const StretchBatch& batch, const StretchBatch::Path& path) {
+    return {stored(batch, path), static_cast<int>(batch.m)};
+  }
+  HWY_INLINE static const std::uint8_t* stored(const StretchBatch& batch, const StretchBatch::Path& path) {
+    const std::byte* behind = path.brick + plane_texels(batch.m) * sizeof(Voxel);
+    return path.deviates ? reinterpret_cast<const std::uint8_t*>(behind) : nullptr;
+  }
+};
+
+/// Laid out anew: make() must have been called.
+template <typename Voxel_>
+struct LaidOut {
+  using Voxel = Voxel_;
+  static constexpr bool kQuads = std::is_same_v<Voxel, std::uint8_t>;
+  using Texels = std::conditional_t<kQuads, QuadTexels, PlainTexels<Voxel>>;
+  using Deviations = DeviationQuads;
+
+  static void make(std::uint32_t m, const StretchBatch& batch, StretchBatch::Path& path) {
+    if constexpr (kQuads) make_quads(m, path);
+    const Deviations deviates = deviations(batch, path);
+    if (deviates.some()) deviates.make(path);
+  }
+  HWY_INLINE static Texels texels(const StretchBatch::Path& path) {
+    if constexpr (kQuads) {
+      return {path.quads};
+    } else {
+      return Texels(path.brick);
+    }
+  }
+  HWY_INLINE static Deviations deviations(const StretchBatch& batch, const StretchBatch::Path& path) {
+    return {AsStored<Voxel>::stored(batch, path), static_cast<int>(batch.m), path.deviations};
+  }
+};
+
+/// One of the bricks that all rays of a batch go through.
+template <typename Layout>
+struct BrickOf {
+  using Samples = SamplesInside<typename Layout::Texels, false>;
+
+  HWY_INLINE BrickOf(const StretchBatch& batch, const StretchBatch::Path& path)
+      : texels(Layout::texels(path)),
+        samples(texels, static_cast<int>(batch.m)),
+        deviations(Layout::deviations(batch, path)) {}
+
+  HWY_INLINE Float deviation_at(const Vec3v& texel) const {
+    return deviations.some() ? deviations.at(texel) : hn::Zero(kFloats);
+  }
+
+  const typename Layout::Texels texels;
+  const Samples samples;
+  const typename Layout::Deviations deviations;
+};
+
+/// What all rays of a batch go through: its bricks, and what their values are in the function.
+template <typename Layout>
+struct Bricks {
+  using Samples = typename BrickOf<Layout>::Samples;
+
+  HWY_INLINE Bricks(const FrameView& frame, const StretchBatch& batch)
+      : edge(static_cast<int>(batch.m)),
+        fine(batch, batch.fine),
+        coarse(batch, batch.blended ? batch.coarse : batch.fine),
         function(frame.visibility.functions[0]),
         places(edge),
-        samples(of, edge),
         to_entry_scale(all(function.entries_per_value() * Samples::kUnit)),
         to_entry_offset(all(function.first_entry())) {}
 
-  HWY_INLINE Place place_of(const CellSample& sample) const {
-    return {hn::MulAdd(sample.value, to_entry_scale, to_entry_offset), hn::Zero(kFloats)};
-  }
+  HWY_INLINE Float entry_of(Float value) const { return hn::MulAdd(value, to_entry_scale, to_entry_offset); }
 
-  const Texels& texels;
   const int edge;
+  const BrickOf<Layout> fine, coarse;
   const Function function;
   const PlacesInside places;
-  const Samples samples;
   const Float to_entry_scale, to_entry_offset;
 };
 
 /// The rays of a vector, and what they go through. kPlain_: one brick whose voxels deviate from nothing.
-template <typename Voxel, typename Texels_, bool kPlain_>
+template <typename Layout, bool kPlain_>
 class Rays {
  public:
-  using Texels = Texels_;
   static constexpr bool kPlain = kPlain_;
 
-  using Lights = Shading<std::is_integral_v<Voxel>>;
-  using Brick = FineBrick<Texels>;
+  using Lights = Shading<std::is_integral_v<typename Layout::Voxel>>;
 
   HWY_INLINE Rays(const FrameView& frame, const Lights& lights, StretchBatch& batch, const StepRuns& runs,
-                  const Brick& brick, const std::int32_t* rows, std::size_t count)
+                  const Bricks<Layout>& bricks, const std::int32_t* rows, std::size_t count)
       : frame_(frame),
         lights_(lights),
         batch_(batch),
-        brick_(brick),
+        bricks_(bricks),
         lanes_(batch, rows, count),
         fine_(lanes_.fine(batch)),
         first_texel_(in_texels(fine_.first)),
         coarse_(!kPlain && batch.blended ? lanes_.coarse(batch) : fine_),
+        first_coarse_texel_(in_texels(coarse_.first)),
         to_eye_(lights.lit() ? lanes_.to_eye(batch) : fine_.first) {
     lanes_.find_ends(batch, runs, fine_, first_step_, end_);
     lanes_.load(batch, color_, opacity_);
@@ -213,35 +274,17 @@ class Rays {
   template <int kVectors>
   HWY_INLINE static void sample_all(const Rays (&rays)[kVectors], const Float (&i)[kVectors],
                                     Place (&places)[kVectors]) {
-    if constexpr (kPlain) {
-      Vec3v texel[kVectors];
-      for (int k = 0; k < kVectors; ++k) texel[k] = rays[k].texel_at(i[k]);
-      CellSample samples[kVectors];
-      rays[0].brick_.samples.find(texel, samples);
-      for (int k = 0; k < kVectors; ++k) places[k] = rays[0].brick_.place_of(samples[k]);
-    } else {
-      for (int k = 0; k < kVectors; ++k) places[k] = rays[k].at(i[k]);
-    }
+    Vec3v texel[kVectors];
+    for (int k = 0; k < kVectors; ++k) texel[k] = rays[k].texel_at(i[k]);
+    CellSample samples[kVectors];
+    rays[0].bricks_.fine.samples.find(texel, samples);
+    for (int k = 0; k < kVectors; ++k) places[k] = rays[k].place_of(i[k], texel[k], samples[k].value);
   }
   HWY_NOINLINE Place at(Float i) const {
-    if constexpr (kPlain) {
-      const Vec3v texel[1] = {texel_at(i)};
-      CellSample samples[1];
-      brick_.samples.find(texel, samples);
-      return brick_.place_of(samples[0]);
-    } else {
-      const int edge = brick_.edge;
-      const Vec3v p = fine_.at(i);
-      Float value = sample(brick_.texels, edge, p), deviates = hn::Zero(kFloats);
-      if (batch_.fine.deviates) deviates = deviation(deviations(batch_.fine), edge, p);
-      if (batch_.blended) {
-        const Vec3v q = coarse_.at(i);
-        const Float blend = share_at(coarse_, i);
-        value = mix(value, sample(coarse_texels(), edge, q), blend);
-        deviates = mix(deviates, deviation(deviations(batch_.coarse), edge, q), blend);
-      }
-      return {brick_.function.entry_of(value), brick_.function.to_entries(deviates)};
-    }
+    const Vec3v texel[1] = {texel_at(i)};
+    CellSample samples[1];
+    bricks_.fine.samples.find(texel, samples);
+    return place_of(i, texel[0], samples[0].value);
   }
 
   /// By a step's or a span's matter and the entries that it goes through.
@@ -295,9 +338,9 @@ class Rays {
   /// Place i of the steps with these centres, or the last on the way there that is in the centre's voxel.
   HWY_INLINE Float held(Float centre, Float i) const { return held_in_voxel(fine_, centre, i); }
   HWY_NOINLINE Slope slope_at(Float i) const {
-    Slope slope{gradient(brick_.texels, brick_.edge, fine_.at(i)), hn::Zero(kFloats)};
+    Slope slope{gradient(bricks_.fine.texels, bricks_.edge, fine_.at(i)), hn::Zero(kFloats)};
     if constexpr (!kPlain) {
-      if (batch_.blended) blend_in(gradient(coarse_texels(), brick_.edge, coarse_.at(i)), i, slope);
+      if (batch_.blended) blend_in(gradient(bricks_.coarse.texels, bricks_.edge, coarse_.at(i)), i, slope);
     }
     return slope;
   }
@@ -307,9 +350,9 @@ class Rays {
     Around fine, coarse;
   };
   HWY_NOINLINE void read_voxels(Float centre, Voxels& voxels) const {
-    voxels.fine.read(brick_.texels, brick_.edge, fine_.at(centre));
+    voxels.fine.read(bricks_.fine.texels, bricks_.edge, fine_.at(centre));
     if constexpr (!kPlain) {
-      if (batch_.blended) voxels.coarse.read(coarse_texels(), brick_.edge, coarse_.at(centre));
+      if (batch_.blended) voxels.coarse.read(bricks_.coarse.texels, bricks_.edge, coarse_.at(centre));
     }
   }
   HWY_NOINLINE Slope slope_at(Float i, const Voxels& voxels) const {
@@ -325,13 +368,27 @@ class Rays {
       if (batch_.blended) across = mix(across, all(batch_.coarse.voxels_across), slope.blend);
     }
     const Float length = hn::Sqrt(lights_.world_length2(slope.gradient));
-    return brick_.function.factor_of_gradient(hn::Mul(length, across));
+    return bricks_.function.factor_of_gradient(hn::Mul(length, across));
   }
 
  private:
   /// Place i, in texels of a plain brick: in it, or the nearest to it that is.
   HWY_INLINE Vec3v texel_at(Float i) const {
-    return brick_.places.held(along(first_texel_, fine_.per_step, i));
+    return bricks_.places.held(along(first_texel_, fine_.per_step, i));
+  }
+  /// Place i, which is at this texel of the fine brick and has this value there.
+  HWY_INLINE Place place_of(Float i, const Vec3v& texel, Float value) const {
+    if constexpr (kPlain) return {bricks_.entry_of(value), hn::Zero(kFloats)};
+    Float deviates = bricks_.fine.deviation_at(texel);
+    if (batch_.blended) {
+      const Vec3v coarse_texel[1] = {bricks_.places.held(along(first_coarse_texel_, coarse_.per_step, i))};
+      CellSample coarse[1];
+      bricks_.coarse.samples.find(coarse_texel, coarse);
+      const Float blend = share_at(coarse_, i);
+      value = mix(value, coarse[0].value, blend);
+      deviates = mix(deviates, bricks_.coarse.deviation_at(coarse_texel[0]), blend);
+    }
+    return {bricks_.entry_of(value), bricks_.function.to_entries(deviates)};
   }
   /// How much opacity, about.
   HWY_INLINE Float adds_in_step(Float extinction) const {
@@ -342,13 +399,6 @@ class Rays {
   }
   HWY_INLINE Float left() const { return hn::Sub(all(1), opacity_); }
 
-  HWY_INLINE static const Voxel* voxels(const StretchBatch::Path& path) {
-    return reinterpret_cast<const Voxel*>(path.brick);
-  }
-  HWY_INLINE const std::uint8_t* deviations(const StretchBatch::Path& path) const {
-    return reinterpret_cast<const std::uint8_t*>(voxels(path) + plane_texels(batch_.m));
-  }
-  HWY_INLINE PlainTexels<Voxel> coarse_texels() const { return PlainTexels<Voxel>(batch_.coarse.brick); }
   HWY_INLINE void blend_in(const Vec3v& coarse, Float i, Slope& slope) const {
     slope.blend = share_at(coarse_, i);
     slope.gradient = mix(slope.gradient, coarse, slope.blend);
@@ -366,11 +416,12 @@ class Rays {
   const FrameView& frame_;
   const Lights& lights_;
   StretchBatch& batch_;
-  const Brick& brick_;
+  const Bricks<Layout>& bricks_;
   const BatchLanes lanes_;
   const PathRows fine_;
   const Vec3v first_texel_;  // fine_.first
   const PathRows coarse_;
+  const Vec3v first_coarse_texel_;  // coarse_.first
   const Vec3v to_eye_;
   typename Lights::FarHalves halves_;
   Float first_step_, end_;

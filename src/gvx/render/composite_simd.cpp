@@ -241,15 +241,15 @@ class Cutting {
   typename RaysOf::Voxels voxels_;  // those of the centres
 };
 
-template <typename Voxel, bool kPlain, typename Texels>
-void composite_with(const FrameView& frame, StretchBatch& batch, const StepRuns& runs, const Texels& texels) {
-  using RaysOf = Rays<Voxel, Texels, kPlain>;
+template <typename Layout, bool kPlain>
+void composite_with(const FrameView& frame, StretchBatch& batch, const StepRuns& runs) {
+  using RaysOf = Rays<Layout, kPlain>;
   constexpr std::size_t kLanes = hn::MaxLanes(kFloats);
-  const typename RaysOf::Brick brick(frame, batch, texels);
-  const Function& function = brick.function;
+  const Bricks<Layout> bricks(frame, batch);
+  const Function& function = bricks.function;
   const typename RaysOf::Lights lights(frame);
   const auto rays_at = [&](const std::int32_t* rows, std::size_t count)
-                           HWY_ATTR { return RaysOf(frame, lights, batch, runs, brick, rows, count); };
+                           HWY_ATTR { return RaysOf(frame, lights, batch, runs, bricks, rows, count); };
   std::uint32_t stepping = batch.count;
   for (bool begun = false; stepping > 0; begun = true) {
     batch.waiting_count = 0;
@@ -273,21 +273,25 @@ void composite_with(const FrameView& frame, StretchBatch& batch, const StepRuns&
   }
 }
 
+template <typename Layout>
+void composite_in(const FrameView& frame, StretchBatch& batch, const StepRuns& runs) {
+  if (batch.blended || batch.fine.deviates) return composite_with<Layout, false>(frame, batch, runs);
+  composite_with<Layout, true>(frame, batch, runs);
+}
+
 template <typename Voxel>
 void composite_all(const FrameView& frame, StretchBatch& batch) {
   batch.opaque_count = 0;
-  const PlainTexels<Voxel> texels(batch.fine.brick);
-  if (batch.blended || batch.fine.deviates) {
-    batch.put_in_order();
-    return composite_with<Voxel, false>(frame, batch, StepRuns(), texels);
-  }
-  bool has_quads = false;
+  const bool has_other_layout = LaidOut<Voxel>::kQuads || batch.blended || batch.fine.deviates;
+  bool laid_out = false;
   in_runs<LooksAt::ends>(batch, [&](const StepRuns& runs) HWY_ATTR {
-    if constexpr (std::is_same_v<Voxel, std::uint8_t>) {
-      has_quads = has_quads || makes_quads(batch);
-      if (has_quads) return composite_with<Voxel, true>(frame, batch, runs, QuadTexels{batch.quads});
+    if (!laid_out && has_other_layout && pays_to_lay_out(batch)) {
+      LaidOut<Voxel>::make(batch.m, batch, batch.fine);
+      if (batch.blended) LaidOut<Voxel>::make(batch.m, batch, batch.coarse);
+      laid_out = true;
     }
-    composite_with<Voxel, true>(frame, batch, runs, texels);
+    if (laid_out) return composite_in<LaidOut<Voxel>>(frame, batch, runs);
+    composite_in<AsStored<Voxel>>(frame, batch, runs);
   });
 }
 

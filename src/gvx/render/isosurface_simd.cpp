@@ -12,6 +12,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 #include "gvx/render/batch_simd-inl.h"
+#include "gvx/render/gradient_simd-inl.h"
 #include "gvx/render/shade_simd-inl.h"
 // clang-format on
 

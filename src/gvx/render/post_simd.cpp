@@ -14,6 +14,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 #include "gvx/render/each_step_simd-inl.h"
+#include "gvx/render/quads_simd-inl.h"
 #include "gvx/render/visible_steps_simd-inl.h"
 // clang-format on
 
@@ -123,7 +124,7 @@ class Post {
         CellSample sample[kVectors];
         Float blend[kVectors];
         fine.find(texel, sample);
-        if constexpr (!kPlain) blend_in_coarse(coarse, i, last_step, blend, sample);
+        if constexpr (!kPlain) blend_in_coarse(coarse, i, first, last_step, blend, sample);
         GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
           const Float place = rows.place_of(sample[k].value);
           f.seen[k] = hn::And(f.active[k], rows.visible(place));
@@ -195,14 +196,17 @@ class Post {
     Light light[kVectors];
   };
 
-  HWY_INLINE void blend_in_coarse(const Samples& coarse_samples, Float i, const Float (&last_step)[kVectors],
-                                  Float (&blend)[kVectors], CellSample (&sample)[kVectors]) const {
+  /// Of steps `i` from the first on.
+  HWY_INLINE void blend_in_coarse(const Samples& coarse_samples, Float i, const Float (&first)[kVectors],
+                                  const Float (&last_step)[kVectors], Float (&blend)[kVectors],
+                                  CellSample (&sample)[kVectors]) const {
     Vec3v texel[kVectors];
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
       PathRows path = lanes_[k].coarse(batch_);
       path.first = in_texels(path.first);
-      blend[k] = share_at(path, i);
-      texel[k] = path.at(hn::Min(i, last_step[k]));
+      const Float step = hn::Add(first[k], hn::Min(i, last_step[k]));
+      blend[k] = share_at(path, step);
+      texel[k] = path.at(step);
     }
     CellSample coarse[kVectors];
     coarse_samples.find(texel, coarse);
@@ -271,7 +275,7 @@ void post_rows(const FrameView& frame, StretchBatch& batch, const StepRuns& runs
 }
 
 template <bool kPlain, typename Texels>
-void post_all(const FrameView& frame, StretchBatch& batch, const StepRuns& runs, const Texels& fine,
+void post_lit(const FrameView& frame, StretchBatch& batch, const StepRuns& runs, const Texels& fine,
               const Texels& coarse) {
   if (!frame.lighting.lighting.enabled) return post_rows<kPlain, Lit::no>(frame, batch, runs, fine, coarse);
   if constexpr (kPlain && Texels::kWhole) {
@@ -281,23 +285,31 @@ void post_all(const FrameView& frame, StretchBatch& batch, const StepRuns& runs,
   post_rows<kPlain, Lit::by_any>(frame, batch, runs, fine, coarse);
 }
 
+template <typename Texels>
+void post_all(const FrameView& frame, StretchBatch& batch, const StepRuns& runs, const Texels& fine,
+              const Texels& coarse) {
+  if (batch.blended) return post_lit<false>(frame, batch, runs, fine, coarse);
+  post_lit<true>(frame, batch, runs, fine, coarse);
+}
+
 /// By FrameView::step_colors.
 template <typename Voxel>
 void post_of(const FrameView& frame, StretchBatch& batch) {
   batch.opaque_count = 0;
   const PlainTexels<Voxel> fine(batch.fine.brick), coarse(batch.coarse.brick);
-  if (batch.blended) {
-    batch.put_in_order();
-    return post_all<false>(frame, batch, StepRuns(), fine, coarse);
-  }
   bool has_quads = false;
   in_runs<LooksAt::centres>(batch, [&](const StepRuns& runs) HWY_ATTR {
     if constexpr (std::is_same_v<Voxel, std::uint8_t>) {
-      has_quads = has_quads || makes_quads(batch);
-      const QuadTexels quads{batch.quads};
-      if (has_quads) return post_all<true>(frame, batch, runs, quads, quads);
+      if (!has_quads && pays_to_lay_out(batch)) {
+        make_quads(batch.m, batch.fine);
+        if (batch.blended) make_quads(batch.m, batch.coarse);
+        has_quads = true;
+      }
+      if (has_quads) {
+        return post_all(frame, batch, runs, QuadTexels{batch.fine.quads}, QuadTexels{batch.coarse.quads});
+      }
     }
-    post_all<true>(frame, batch, runs, fine, coarse);
+    post_all(frame, batch, runs, fine, coarse);
   });
 }
 

@@ -13,12 +13,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <type_traits>
 
 #include <hwy/highway.h>
 
-#include "gvx/render/stretch_batch.h"
 #include "gvx/render/unroll.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -263,7 +261,7 @@ struct Corners {
 /// Texels as they are in a brick. load() and corners() are read() in two parts.
 template <typename Voxel>
 struct PlainTexels {
-  static constexpr bool kWhole = std::is_integral_v<Voxel>;
+  static constexpr bool kWhole = std::is_integral_v<Voxel>, kBytes = std::is_same_v<Voxel, std::uint8_t>;
   using Raw = Corners;
   const Voxel* texels;
 
@@ -303,118 +301,6 @@ HWY_INLINE PairsAlongZ pairs_along_z(const BytesAround& bytes) {
         hn::Or(hn::ShiftRight<8>(hn::And(here, second)), hn::ShiftLeft<8>(hn::And(next, second)));
   }
   return pairs;
-}
-
-/// Of each texel the four of which it is the low corner across x (StretchBatch::quads): two of these, side by
-/// side, are all eight.
-struct QuadTexels {
-  static constexpr bool kWhole = true;
-  struct Raw {
-    Int low, high;  // along x; bytes y + 2 * z
-  };
-  const std::uint32_t* quads;
-
-  HWY_INLINE Raw load(Int index, int, int) const {
-#if HWY_TARGET == HWY_AVX2
-    // Eight loads of eight bytes; as gathers, each lane of which is half of these, they would take thrice as
-    // long.
-    alignas(32) std::int32_t at[8];
-    store_offsets(index, at);
-    const auto two = [&](int a, int b) HWY_ATTR {
-      const __m128i first = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(quads + at[a]));
-      return _mm_loadh_pi(_mm_castsi128_ps(first), reinterpret_cast<const __m64*>(quads + at[b]));
-    };
-    const __m256 outer = _mm256_insertf128_ps(_mm256_castps128_ps256(two(0, 1)), two(4, 5), 1);
-    const __m256 inner = _mm256_insertf128_ps(_mm256_castps128_ps256(two(2, 3)), two(6, 7), 1);
-    return {Int{_mm256_castps_si256(_mm256_shuffle_ps(outer, inner, 0x88))},
-            Int{_mm256_castps_si256(_mm256_shuffle_ps(outer, inner, 0xdd))}};
-#elif HWY_TARGET == HWY_AVX3
-    // Both of a lane at once, which halves what is gathered.
-    constexpr int kBytes = sizeof(std::uint32_t);
-    const __m512i first = _mm512_i32gather_epi64(_mm512_castsi512_si256(index.raw), quads, kBytes);
-    const __m512i last = _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(index.raw, 1), quads, kBytes);
-    const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-    const __m512i odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));
-    return {Int{_mm512_permutex2var_epi32(first, even, last)},
-            Int{_mm512_permutex2var_epi32(first, odd, last)}};
-#else
-    const auto* base = reinterpret_cast<const std::int32_t*>(quads);
-    return {hn::GatherIndex(kInts, base, index), hn::GatherIndex(kInts, base + 1, index)};
-#endif
-  }
-  HWY_INLINE static Corners corners(const Raw& raw) {
-    return {{byte<0>(raw.low), byte<0>(raw.high), byte<8>(raw.low), byte<8>(raw.high), byte<16>(raw.low),
-             byte<16>(raw.high), byte<24>(raw.low), byte<24>(raw.high)}};
-  }
-  HWY_INLINE Corners read(Int index, int row, int slice) const {
-    return corners(load(index, row, slice));
-  }
-
-  template <int kShift>
-  HWY_INLINE static Float byte(Int four) {
-    const hn::RebindToUnsigned<Ints> bits;
-    if constexpr (kShift > 0) four = hn::BitCast(kInts, hn::ShiftRight<kShift>(hn::BitCast(bits, four)));
-    return hn::ConvertTo(kFloats, kShift < 24 ? hn::And(four, all_ints(0xff)) : four);
-  }
-};
-
-HWY_INLINE QuadTexels::Raw load_bytes(const QuadTexels& from, Int index, int row, int slice) {
-  return from.load(index, row, slice);
-}
-HWY_INLINE PairsAlongZ pairs_along_z(const QuadTexels::Raw& raw) {
-  const auto even = [](Int quad) HWY_ATTR { return hn::And(quad, all_ints(0x00ff00ff)); };
-  const auto odd = [&](Int quad) HWY_ATTR {
-#if HWY_TARGET == HWY_SCALAR
-    return even(hn::ShiftRight<8>(quad));
-#else
-    const hn::Repartition<std::uint16_t, Ints> halves;
-    return hn::BitCast(kInts, hn::ShiftRight<8>(hn::BitCast(halves, quad)));
-#endif
-  };
-  return {{even(raw.low), even(raw.high), odd(raw.low), odd(raw.high)}};
-}
-
-/// Fills StretchBatch::quads from a brick of bytes.
-HWY_INLINE void make_quads(StretchBatch& batch) {
-  const auto* texels = reinterpret_cast<const std::uint8_t*>(batch.fine.brick);
-  const std::size_t row = batch.m + 2, slice = row * row, count = plane_texels(batch.m) - slice - row;
-  std::size_t i = 0;
-#if HWY_TARGET != HWY_SCALAR
-  const hn::Full128<std::uint8_t> bytes;
-  const hn::Full128<std::uint16_t> pairs;
-  const hn::Full128<std::uint32_t> quads;
-  for (; i + 16 <= count; i += 16) {
-    const auto at = [&](std::size_t offset) HWY_ATTR { return hn::LoadU(bytes, texels + i + offset); };
-    const auto a = at(0), b = at(row), c = at(slice), d = at(slice + row);
-    const auto pair = [&](auto v) HWY_ATTR { return hn::BitCast(pairs, v); };
-    const auto front_low = pair(hn::InterleaveLower(bytes, a, b));
-    const auto front_high = pair(hn::InterleaveUpper(bytes, a, b));
-    const auto back_low = pair(hn::InterleaveLower(bytes, c, d));
-    const auto back_high = pair(hn::InterleaveUpper(bytes, c, d));
-    const auto put = [&](auto v, std::size_t offset)
-                         HWY_ATTR { hn::StoreU(hn::BitCast(quads, v), quads, batch.quads + i + offset); };
-    put(hn::InterleaveLower(pairs, front_low, back_low), 0);
-    put(hn::InterleaveUpper(pairs, front_low, back_low), 4);
-    put(hn::InterleaveLower(pairs, front_high, back_high), 8);
-    put(hn::InterleaveUpper(pairs, front_high, back_high), 12);
-  }
-#endif
-  for (; i < count; ++i) {
-    const std::uint32_t front = texels[i] | texels[i + row] << 8;
-    const std::uint32_t back = texels[i + slice] | texels[i + slice + row] << 8;
-    batch.quads[i] = front | back << 16;
-  }
-}
-
-/// Makes quads of the fine brick of bytes where the batch's rays take so many steps that it pays.
-HWY_INLINE bool makes_quads(StretchBatch& batch) {
-  constexpr std::size_t kStepsOfVectors = 24;
-  const std::size_t least = kStepsOfVectors * hn::Lanes(kFloats);
-  std::size_t steps = 0;
-  for (std::uint32_t i = 0; i < batch.count && steps <= least; ++i) steps += batch.length[i];
-  if (steps <= least) return false;
-  make_quads(batch);
-  return true;
 }
 
 HWY_INLINE Float trilinear(const Corners& at, const Vec3v& weight) {
@@ -495,11 +381,9 @@ HWY_INLINE Int sum_of_products(Int a, Int b) {
 template <typename Texels, bool kGradient>
 class SamplesInside {
  public:
-  static constexpr bool kBytes =
-      std::is_same_v<Texels, QuadTexels> || std::is_same_v<Texels, PlainTexels<std::uint8_t>>;
   /// Values of bytes: first along z, in whole numbers, where texels weigh so many 2^14ths. (With gradients
   /// that is no gain: these are of differences along x first.)
-  static constexpr bool kInWholeNumbers = kBytes && !kGradient;
+  static constexpr bool kInWholeNumbers = Texels::kBytes && !kGradient;
   static constexpr int kOne = 1 << 14;
   static constexpr float kUnit = kInWholeNumbers ? 1.0f / kOne : 1;  ///< what values are multiples of
 
@@ -551,160 +435,6 @@ HWY_INLINE bool none_of(const Mask (&mask)[kVectors]) {
   Mask any = mask[0];
   for (int k = 1; k < kVectors; ++k) any = hn::Or(any, mask[k]);
   return none(any);
-}
-
-/// Along one axis of a voxel, at a place from 0 to 1 in it: what its texel and its neighbours weigh in the
-/// value and in the difference of half a voxel to either side.
-struct ThreeTexels {
-  Float of_value[3], of_difference[3];
-
-  HWY_INLINE explicit ThreeTexels(Float in_voxel) {
-    const Float zero = hn::Zero(kFloats), one = all(1);
-    const Float from_centre = hn::Sub(in_voxel, all(0.5f));
-    of_value[0] = hn::Max(hn::Neg(from_centre), zero);
-    of_value[1] = hn::Sub(one, hn::Abs(from_centre));
-    of_value[2] = hn::Max(from_centre, zero);
-    of_difference[0] = hn::Sub(in_voxel, one);
-    of_difference[1] = hn::Sub(one, hn::Add(in_voxel, in_voxel));
-    of_difference[2] = in_voxel;
-  }
-};
-
-struct Triple {
-  Float texel[3];
-};
-HWY_INLINE Triple gather_triple(const std::uint8_t* texels, Int index) {
-  // The fourth byte may be the first behind the plane, even behind the brick (BrickPool leaves room there).
-  const Int four = hn::GatherOffset(kInts, reinterpret_cast<const std::int32_t*>(texels), index);
-  const Int byte = all_ints(0xff);
-  return {{hn::ConvertTo(kFloats, hn::And(four, byte)),
-           hn::ConvertTo(kFloats, hn::And(hn::ShiftRight<8>(four), byte)),
-           hn::ConvertTo(kFloats, hn::And(hn::ShiftRight<16>(four), byte))}};
-}
-template <typename Voxel>
-HWY_INLINE Triple gather_triple(const Voxel* texels, Int index) {
-  const Pair first = gather_pair(texels, index), last = gather_pair(texels + 1, index);
-  return {{first.low, first.high, last.high}};
-}
-
-HWY_INLINE Float weighted(const Float (&weight)[3], Float a, Float b, Float c) {
-  return hn::MulAdd(weight[0], a, hn::MulAdd(weight[1], b, hn::Mul(weight[2], c)));
-}
-
-/// The 3 x 3 x 3 texels around a voxel, in rows along x: those of y j and z k at j + 3 k. All that the
-/// gradients of a voxel need.
-struct Around {
-  Vec3v first;  ///< the low corner of the voxel
-  Triple rows[9];
-
-  template <typename Texels>
-  HWY_INLINE void read(const Texels& texels, int edge, const Vec3v& p) {
-    first = {first_of(p.x, edge), first_of(p.y, edge), first_of(p.z, edge)};
-    read_rows(texels, edge, TexelPlace::index_of(first.x, first.y, first.z, edge));
-  }
-
-  /// brick::gradient at a place in this voxel.
-  HWY_INLINE Vec3v gradient(const Vec3v& p) const {
-    const ThreeTexels x(hn::Sub(p.x, first.x)), y(hn::Sub(p.y, first.y)), z(hn::Sub(p.z, first.z));
-    Float along_x[3], along_y[3], value[3];
-    for (int k = 0; k < 3; ++k) {
-      Float row_value[3], row_difference[3];
-      for (int j = 0; j < 3; ++j) {
-        const auto& t = rows[j + 3 * k].texel;
-        row_value[j] = weighted(x.of_value, t[0], t[1], t[2]);
-        row_difference[j] = weighted(x.of_difference, t[0], t[1], t[2]);
-      }
-      value[k] = weighted(y.of_value, row_value[0], row_value[1], row_value[2]);
-      along_x[k] = weighted(y.of_value, row_difference[0], row_difference[1], row_difference[2]);
-      along_y[k] = weighted(y.of_difference, row_value[0], row_value[1], row_value[2]);
-    }
-    return {weighted(z.of_value, along_x[0], along_x[1], along_x[2]),
-            weighted(z.of_value, along_y[0], along_y[1], along_y[2]),
-            weighted(z.of_difference, value[0], value[1], value[2])};
-  }
-
- private:
-  HWY_INLINE static Float first_of(Float position, int edge) {
-    const Float last = all(static_cast<float>(edge - 1));
-    return hn::Min(hn::Floor(hn::Max(position, hn::Zero(kFloats))), last);
-  }
-  template <typename Voxel>
-  HWY_INLINE void read_rows(const PlainTexels<Voxel>& texels, int edge, Int index) {
-    const int row = edge + 2, slice = row * row;
-    for (int i = 0; i < 9; ++i) {
-      rows[i] = gather_triple(texels.texels + i % 3 * row + i / 3 * slice, index);
-    }
-  }
-  HWY_INLINE void read_rows(const QuadTexels& texels, int edge, Int index) {
-    const int row = edge + 2, slice = row * row;
-    alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
-    store_offsets(hn::ShiftLeft<2>(index), offsets);
-    const auto* quads = reinterpret_cast<const std::byte*>(texels.quads);
-    constexpr auto kQuad = static_cast<int>(sizeof(std::uint32_t));
-    Int low[4], next_y[4], next_z[4], next[4];
-    load_rows(quads, offsets, low);
-    load_rows(quads + kQuad * row, offsets, next_y);
-    load_rows(quads + kQuad * slice, offsets, next_z);
-    load_rows(quads + kQuad * (slice + row), offsets, next);
-    for (int x = 0; x < 3; ++x) {
-      rows[0].texel[x] = QuadTexels::byte<0>(low[x]);
-      rows[1].texel[x] = QuadTexels::byte<8>(low[x]);
-      rows[2].texel[x] = QuadTexels::byte<8>(next_y[x]);
-      rows[3].texel[x] = QuadTexels::byte<16>(low[x]);
-      rows[4].texel[x] = QuadTexels::byte<24>(low[x]);
-      rows[5].texel[x] = QuadTexels::byte<24>(next_y[x]);
-      rows[6].texel[x] = QuadTexels::byte<16>(next_z[x]);
-      rows[7].texel[x] = QuadTexels::byte<24>(next_z[x]);
-      rows[8].texel[x] = QuadTexels::byte<24>(next[x]);
-    }
-  }
-};
-
-/// A place in a brick, if it was outside of it by rounding.
-HWY_INLINE Vec3v held(const Vec3v& p, int edge) {
-  const Float zero = hn::Zero(kFloats), last = all(static_cast<float>(edge));
-  const auto on_axis = [&](Float x) HWY_ATTR { return hn::Min(hn::Max(x, zero), last); };
-  return {on_axis(p.x), on_axis(p.y), on_axis(p.z)};
-}
-
-/// brick::gradient.
-template <typename Texels>
-HWY_INLINE Vec3v gradient(const Texels& texels, int edge, const Vec3v& p) {
-  Around around;
-  around.read(texels, edge, p);
-  return around.gradient(held(p, edge));
-}
-
-/// deviation_of_code of the byte at each index.
-HWY_INLINE Float meaning_of_codes(Int codes) {
-  const Int code = hn::And(codes, all_ints(0xff));
-  // A code is the exponent and the first bits of the mantissa of a float.
-  const Int bits = hn::Add(hn::ShiftLeft<19>(code), all_ints(127 << 23));
-  return hn::IfThenElseZero(hn::RebindMask(kFloats, hn::Gt(code, hn::Zero(kInts))),
-                            hn::BitCast(kFloats, bits));
-}
-
-/// brick::deviation; `deviations` are of a brick of this edge.
-HWY_INLINE Float deviation(const std::uint8_t* deviations, int brick_edge, const Vec3v& p) {
-  float unit;
-  std::memcpy(&unit, deviations, sizeof(unit));
-  if (!(unit > 0.0f)) return hn::Zero(kFloats);
-  const std::uint8_t* codes = deviations + sizeof(unit);
-  const int edge = brick_edge / 2, row = edge + 2, slice = row * row;
-  const Float half = all(0.5f);
-  const TexelPlace place({hn::Mul(p.x, half), hn::Mul(p.y, half), hn::Mul(p.z, half)}, edge);
-  const Vec3v& weight = place.weight;
-  // The last texels' neighbours are read with those before them: a brick ends with its deviations.
-  Float along_x[4];
-  for (int i = 0; i < 4; ++i) {
-    const int offset = (i & 1) * row + (i >> 1) * slice - 2;
-    const Int four =
-        hn::GatherOffset(kInts, reinterpret_cast<const std::int32_t*>(codes + offset), place.index);
-    along_x[i] =
-        mix(meaning_of_codes(hn::ShiftRight<16>(four)), meaning_of_codes(hn::ShiftRight<24>(four)), weight.x);
-  }
-  return hn::Mul(all(unit),
-                 mix(mix(along_x[0], along_x[1], weight.y), mix(along_x[2], along_x[3], weight.y), weight.z));
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
+#include "gvx/render/frame.h"
 #include "gvx/render/sample_simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -30,6 +30,14 @@ struct StretchBatch {
     float gradient_scale = 1;
     float voxels_across = 1;  ///< of its level, in all of tree space
     alignas(64) float row[kMost + 1][8];
+
+    /// Of the brick's texels those that places of the rays are behind, along y and z: the first and last.
+    std::uint32_t first_row[2] = {}, last_row[2] = {};
+    /// Where these are put, if that pays. Of bytes, of each texel: itself, the next along y, the next along
+    /// z, and the one that is next along both, from the lowest bits up.
+    alignas(64) std::uint32_t quads[plane_texels(32)];
+    /// And of deviations, at half the resolution: the same, each the upper half of a float.
+    alignas(64) std::uint64_t deviations[plane_texels(16)];
   };
 
   std::uint32_t m = 16;  ///< the bricks' edge, 8, 16 or 32
@@ -69,10 +77,6 @@ struct StretchBatch {
   /// Out: the numbers of those rays that see nothing more.
   std::uint32_t opaque_count = 0;
   std::int32_t opaque[kMost + 16];
-
-  /// Where a brick of bytes is put, if that pays: of each texel itself, the next along y, the next along z,
-  /// and the one that is next along both, from the lowest bits up.
-  alignas(64) std::uint32_t quads[plane_texels(32)];
 
   float steps(std::uint32_t i) const { return fine.row[i][3]; }
   std::uint32_t ray(std::uint32_t i) const { return std::bit_cast<std::uint32_t>(fine.row[i][7]); }

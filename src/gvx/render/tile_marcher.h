@@ -474,11 +474,10 @@ class TileMarcher {
       batch.coarse.deviates = true;
       batch.coarse.gradient_scale = frame.gradient_scale[wanted.step_level - 1];
     }
-    const bool post = frame.classification == scene::Classification::post;
-    const bool of_cells = vectors_ == Vectors::composite || (post && frame.step_colors != nullptr);
-    const bool alone = of_cells && !place.blended && (post || !batch.fine.deviates);
-    batch.cells = alone ? cells_of(place.slot) : ~std::uint64_t(0);
-    if (batch.cells != 0 && vectors_ == Vectors::composite_post) prefetch(batch.fine.brick);
+    batch.cells = cells_of(place);
+    const bool pays =
+        vectors_ == Vectors::composite_post || (vectors_ == Vectors::composite && place.blended);
+    if (batch.cells != 0 && pays) prefetch(batch.fine.brick);
     return batch.cells != 0;
   }
   /// Has the processor fetch a brick, while its rays are gathered.
@@ -547,14 +546,35 @@ class TileMarcher {
     work_.rays.samples[ray] = static_cast<std::int32_t>(state.samples);
   }
 
-  std::uint64_t cells_of(BrickIndex slot) const {
+  /// Those of a place's cells in which something can be seen; all where that is not known.
+  std::uint64_t cells_of(const Place& place) const {
+    constexpr std::uint64_t kAll = ~std::uint64_t(0);
+    const scene::TransferView& function = view_.frame.visibility.functions[0];
+    const bool post = view_.frame.classification == scene::Classification::post;
+    if (vectors_ != Vectors::composite && !(post && view_.frame.step_colors != nullptr)) return kAll;
+    // What is blended of values that cannot be seen may be between them.
+    if (place.blended && post && !function.hides_lowest_only()) return kAll;
+    const std::uint64_t cells = cells_of(place.slot, place.brick_level);
+    if (!place.blended || cells == kAll) return cells;
+    const int digit[3] = {digit_of(place, 0), digit_of(place, 1), digit_of(place, 2)};
+    return cells | cells_of_child<N>(cells_of(place.parent_slot, place.level - 1), digit);
+  }
+  /// Where a place's node is among the children of the node above.
+  int digit_of(const Place& place, int axis) const {
+    const LevelView& level = view_.frame.levels[place.level];
+    return static_cast<int>(place.cell[axis] + level.digit[axis] - N * level.parent(place.cell, N)[axis]);
+  }
+  std::uint64_t cells_of(BrickIndex slot, int level) const {
     return view_.cells.of(slot, [&] {
       const scene::TransferView& function = view_.frame.visibility.functions[0];
       // A pre-integrated step may go from one cell to another, and through all that is between their values.
       const bool post = view_.frame.classification == scene::Classification::post;
-      return visible_cells<M>(view_.bricks.brick(slot).voxels, [&](ValueRange values) {
-        return post ? function.transparent(values) : function.below_visible(values);
-      });
+      const auto brick = view_.bricks.brick(slot);
+      return visible_cells<M>(
+          brick.voxels, post || level == view_.frame.max_level ? nullptr : brick.deviations(0),
+          [&](ValueRange values, float deviation) {
+            return post ? function.transparent(values) : function.below_visible(values, deviation);
+          });
     });
   }
 
@@ -562,6 +582,14 @@ class TileMarcher {
     path.brick = reinterpret_cast<const std::byte*>(view_.bricks.brick(slot).voxels);
     const BrickCorner<N> at(view_.frame, place, level);
     path.voxels_across = static_cast<float>(at.across * M);
+    for (int axis = 1; axis < 3; ++axis) {
+      path.first_row[axis - 1] = 0;
+      path.last_row[axis - 1] = M;
+      if (!place.blended || level == place.level) continue;
+      const auto digit = static_cast<std::uint32_t>(digit_of(place, axis));
+      path.first_row[axis - 1] = digit * M / N;
+      path.last_row[axis - 1] = ((digit + 1) * M + N - 1) / N;
+    }
     return {at.across, at.corner};
   }
 

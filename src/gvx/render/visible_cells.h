@@ -1,8 +1,10 @@
 /// \file
-/// visible_cells: which cells of a brick can be seen; a brick has 4 x 4 x 4.
+/// visible_cells: which cells of a brick can be seen; a brick has 4 x 4 x 4. Of a set of cells bit
+/// x + 4 * (y + 4 * z) is set.
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 
 #include "gvx/brick/brick_layout.h"
 #include "gvx/core/voxel.h"
@@ -10,42 +12,87 @@
 namespace gvx::render {
 
 inline constexpr int kCellsAcross = 4;
+inline constexpr int kCells = kCellsAcross * kCellsAcross * kCellsAcross;
 
-/// Bit x + 4 * (y + 4 * z) is set unless `hidden` is true of the range of the trilinear values in that cell.
-template <int M, typename Voxel, typename Hidden>
-std::uint64_t visible_cells(const Voxel* plane, const Hidden& hidden) {
-  using Layout = brick::BrickLayout<M>;
-  constexpr int kCell = M / kCellsAcross;
-  std::uint64_t visible = 0;
-  for (int cz = 0; cz < kCellsAcross; ++cz) {
-    for (int cy = 0; cy < kCellsAcross; ++cy) {
-      // Of each column of texels along z and y, then of each cell along x: a cell's values come from its own
-      // texels and one more on every side.
-      Voxel least[Layout::kEdge], most[Layout::kEdge];
-      for (int x = 0; x < Layout::kEdge; ++x)
-        least[x] = most[x] = plane[Layout::offset(x, cy * kCell, cz * kCell)];
-      for (int z = cz * kCell; z < (cz + 1) * kCell + 2; ++z) {
-        for (int y = cy * kCell; y < (cy + 1) * kCell + 2; ++y) {
-          const Voxel* row = plane + Layout::offset(0, y, z);
-          for (int x = 0; x < Layout::kEdge; ++x) {
-            least[x] = row[x] < least[x] ? row[x] : least[x];
-            most[x] = row[x] > most[x] ? row[x] : most[x];
+/// Between which numbers the trilinear ones in each cell are, and those up to half a number beyond it.
+template <int M, typename Number>
+struct CellRanges {
+  Number least[kCells], most[kCells];
+
+  explicit CellRanges(const Number* plane) {
+    using Layout = brick::BrickLayout<M>;
+    constexpr int kCell = M / kCellsAcross;
+    for (int cz = 0; cz < kCellsAcross; ++cz) {
+      for (int cy = 0; cy < kCellsAcross; ++cy) {
+        // Of each column of texels along z and y, then of each cell along x: a cell's values come from its
+        // own texels and one more on every side.
+        Number low[Layout::kEdge], high[Layout::kEdge];
+        for (int x = 0; x < Layout::kEdge; ++x)
+          low[x] = high[x] = plane[Layout::offset(x, cy * kCell, cz * kCell)];
+        for (int z = cz * kCell; z < (cz + 1) * kCell + 2; ++z) {
+          for (int y = cy * kCell; y < (cy + 1) * kCell + 2; ++y) {
+            const Number* row = plane + Layout::offset(0, y, z);
+            for (int x = 0; x < Layout::kEdge; ++x) {
+              low[x] = row[x] < low[x] ? row[x] : low[x];
+              high[x] = row[x] > high[x] ? row[x] : high[x];
+            }
+          }
+        }
+        for (int cx = 0; cx < kCellsAcross; ++cx) {
+          const int cell = cx + kCellsAcross * (cy + kCellsAcross * cz);
+          least[cell] = low[cx * kCell];
+          most[cell] = high[cx * kCell];
+          for (int x = cx * kCell; x < (cx + 1) * kCell + 2; ++x) {
+            least[cell] = low[x] < least[cell] ? low[x] : least[cell];
+            most[cell] = high[x] > most[cell] ? high[x] : most[cell];
           }
         }
       }
-      for (int cx = 0; cx < kCellsAcross; ++cx) {
-        Voxel low = least[cx * kCell], high = most[cx * kCell];
-        for (int x = cx * kCell; x < (cx + 1) * kCell + 2; ++x) {
-          low = least[x] < low ? least[x] : low;
-          high = most[x] > high ? most[x] : high;
-        }
-        const int cell = cx + kCellsAcross * (cy + kCellsAcross * cz);
-        if (!hidden(ValueRange{static_cast<float>(low), static_cast<float>(high)}))
-          visible |= std::uint64_t(1) << cell;
-      }
     }
   }
+};
+
+/// All but those of which hidden(values, deviation) is true: of the range of the trilinear values in a cell,
+/// and the most that they deviate. `deviations` are those of the plane (core/voxel.h), or null for none.
+template <int M, typename Voxel, typename Hidden>
+std::uint64_t visible_cells(const Voxel* plane, const std::uint8_t* deviations, const Hidden& hidden) {
+  const CellRanges<M, Voxel> values(plane);
+  float unit = 0, deviation[kCells] = {};
+  if (deviations != nullptr) std::memcpy(&unit, deviations, sizeof(unit));
+  if (unit > 0) {
+    const CellRanges<M / 2, std::uint8_t> codes(deviations + sizeof(unit));
+    for (int cell = 0; cell < kCells; ++cell) deviation[cell] = unit * deviation_of_code(codes.most[cell]);
+  }
+  std::uint64_t visible = 0;
+  for (int cell = 0; cell < kCells; ++cell) {
+    const ValueRange range{static_cast<float>(values.least[cell]), static_cast<float>(values.most[cell])};
+    if (!hidden(range, deviation[cell])) visible |= std::uint64_t(1) << cell;
+  }
   return visible;
+}
+
+/// Those of a brick's cells that touch some of `cells` of the brick of the node above, of which it is the
+/// child at `digit`, counted along each axis.
+template <int N>
+std::uint64_t cells_of_child(std::uint64_t cells, const int (&digit)[3]) {
+  std::uint64_t touching = cells;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int shift = axis == 0 ? 1 : axis == 1 ? kCellsAcross : kCellsAcross * kCellsAcross;
+    // The first cell along this axis.
+    const std::uint64_t first = axis == 0   ? 0x1111111111111111u
+                                : axis == 1 ? 0x000f000f000f000fu
+                                            : 0x000000000000ffffu;
+    std::uint64_t spread = 0;
+    for (int cell = 0; cell < kCellsAcross; ++cell) {
+      const int begin = (digit[axis] * kCellsAcross + cell) / N;
+      const int last = (digit[axis] * kCellsAcross + cell + 1 + N - 1) / N - 1;
+      for (int above = begin; above <= last; ++above) {
+        spread |= (touching >> (shift * above) & first) << (shift * cell);
+      }
+    }
+    touching = spread;
+  }
+  return touching;
 }
 
 }  // namespace gvx::render

@@ -203,9 +203,18 @@ struct TransferView {
     return std::fmax(a, b) <= first_visible || std::fmin(a, b) >= last_visible;
   }
 
-  /// Is every stored value of the range below all that can be seen? So is then what lies between two such.
-  GVX_HD bool below_visible(ValueRange stored) const {
-    return std::fmax(entry_of(stored.minimum), entry_of(stored.maximum)) <= first_visible;
+  /// Is every stored value of the range below all that can be seen, even if values deviate by as much as this
+  /// (EntryPath::mean)? So is then what lies between two such.
+  GVX_HD bool below_visible(ValueRange stored, float deviation = 0) const {
+    constexpr float kSqrt3 = 1.7320509f;
+    return std::fmax(entry_of(stored.minimum), entry_of(stored.maximum)) +
+               kSqrt3 * std::fabs(deviation * to_entry_scale) <=
+           first_visible;
+  }
+  /// Are those entries that cannot be seen all below those that can?
+  GVX_HD bool hides_lowest_only() const {
+    const int hidden = first_visible < 0 ? 0 : static_cast<int>(first_visible) + 1;
+    return static_cast<int>(visible_before[entries]) == entries - hidden;
   }
 
   /// Matter of a label.

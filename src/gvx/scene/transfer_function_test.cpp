@@ -155,6 +155,10 @@ TEST(TransferTable, a_spike_is_even_nowhere_and_a_constant_everywhere) {
   const TransferTable constant = bake({{{0, {1, 1, 1}}}, {{0, 0.5}, {100, 0.5}}, 0}, 1, 0, 16);
   EXPECT_GE(constant.even.width, TransferView::kEntries / 2);
   EXPECT_LT(constant.first_visible, -1e6f);
+  EXPECT_FALSE(uneven.view().hides_lowest_only());
+  EXPECT_TRUE(constant.view().hides_lowest_only());
+  EXPECT_TRUE(bake({{{0, {1, 1, 1}}}, {{0, 0}, {50, 0}, {100, 1}}, 0}, 1, 0, 16).view().hides_lowest_only());
+  EXPECT_TRUE(bake({{{0, {1, 1, 1}}}, {{0, 0}, {100, 0}}, 0}, 1, 0, 16).view().hides_lowest_only());
   EXPECT_GT(constant.last_visible, 1e6f);
 }
 
