@@ -49,37 +49,24 @@ class TileMarcher {
         projects_(render::projects(view.frame)),
         vectors_(vectors_for(view.frame)),
         projection_(projection),
+        x0_(x0),
+        y0_(y0),
+        apart_(apart),
+        edge_(edge),
         work_(this_threads_workspace()) {
     const FrameView& frame = view.frame;
-    TileRays& rays = work_.rays;
-    active_ = set_up(frame, x0, y0, apart, edge, rays);
+    active_ = ActiveRays::all_of(edge, edge);
     projection_.begin_tile(x0, y0);
     if (frame.camera.orthographic) {
       const Vec3d forward = frame.world_to_tree.vector(frame.camera.forward);
       for (int axis = 0; axis < 3; ++axis) viewpoint_[axis] = forward[axis] > 0 ? -1e300 : 1e300;
     }
-    const std::uint32_t many = edge * TileRays::kEdge;
-    std::fill_n(rays.tick, many, 0.0);
-    std::memset(rays.gathered, 0, many * sizeof(rays.gathered[0]));
-    std::memset(rays.samples, 0, many * sizeof(rays.samples[0]));
-    if (frame.proxy != nullptr) cut_by_proxy(x0, y0, apart);
-    if (preview) std::fill_n(work_.pixel, many, PreviewPixel());
-    if (zones_) {
-      rays.begin_zones();
-      active_.for_each([&](std::uint32_t ray) { rays.find_zone(frame, ray); });
-    } else {
-      rays.fill_zone(frame, many);
-    }
-    if (projects_) leave_out_stubs();
-    StretchBatch& batch = work_.batch;
-    batch.m = M;
-    batch.to_eye = rays.to_eye;
-    batch.gathered = rays.gathered;
-    batch.samples = rays.samples;
+    if (preview || projects_ || frame.proxy != nullptr) set_out();
   }
 
   /// Ray `index` goes on from where it was.
   void resume(std::uint32_t index, const RayState& state) {
+    set_out();
     work_.rays.tick[index] = state.tick;
     put(index, state);
     if (zones_) work_.rays.find_zone(view_.frame, index);
@@ -115,6 +102,11 @@ class TileMarcher {
   /// Where ray `index` is now: all of the state but its epoch. Number by number, since a copy of a state that
   /// was just put together waits for all of its stores.
   void put_state(std::uint32_t index, RayState& state) const {
+    if (!has_set_out_) {
+      state = RayState{};
+      state.phase = RayPhase::finished;
+      return;
+    }
     const TileRays& rays = work_.rays;
     state.tick = rays.tick[index];
     put_gathered(rays.gathered[index], state);
@@ -157,13 +149,43 @@ class TileMarcher {
     double nearest = 0, farthest = 0;  // distances of the node
   };
 
+  /// The rays are set out when the first of them is needed: of most tiles beside an object none is.
+  void set_out() {
+    if (has_set_out_) return;
+    has_set_out_ = true;
+    const FrameView& frame = view_.frame;
+    TileRays& rays = work_.rays;
+    const ActiveRays wanted = active_;
+    active_ = set_up(frame, x0_, y0_, apart_, edge_, rays);
+    const std::uint32_t many = edge_ * TileRays::kEdge;
+    std::fill_n(rays.tick, many, 0.0);
+    std::memset(rays.gathered, 0, many * sizeof(rays.gathered[0]));
+    std::memset(rays.samples, 0, many * sizeof(rays.samples[0]));
+    if (frame.proxy != nullptr) cut_by_proxy();
+    if (preview_) std::fill_n(work_.pixel, many, PreviewPixel());
+    if (zones_) {
+      rays.begin_zones();
+      active_.for_each([&](std::uint32_t ray) { rays.find_zone(frame, ray); });
+    } else {
+      rays.fill_zone(frame, many);
+    }
+    if (projects_) leave_out_stubs();
+    leave_out_all_but(wanted);
+    left_ = active_.count();
+    StretchBatch& batch = work_.batch;
+    batch.m = M;
+    batch.to_eye = rays.to_eye;
+    batch.gathered = rays.gathered;
+    batch.samples = rays.samples;
+  }
+
   /// Only what the proxy leaves of the rays.
-  void cut_by_proxy(double x0, double y0, double apart) {
+  void cut_by_proxy() {
     const FrameView& frame = view_.frame;
     TileRays& rays = work_.rays;
     active_.for_each([&](std::uint32_t ray) {
       const std::uint32_t column = ray % TileRays::kEdge, row = ray / TileRays::kEdge;
-      const double x = x0 + apart * column, y = y0 + apart * row;
+      const double x = x0_ + apart_ * column, y = y0_ + apart_ * row;
       if (!(x < frame.width && y < frame.height)) return;
       RayInterval inside{rays.enter[ray], rays.exit[ray]};
       const std::size_t index = static_cast<std::size_t>(y) * frame.width + static_cast<std::size_t>(x);
@@ -339,6 +361,7 @@ class TileMarcher {
     const bool seen = is_brick && prepare(shown, level, wanted);
     // Cells that cannot be seen are nobody's business, unless rays are counted or have passed them.
     if (is_brick && !seen && !preview_ && !resumed_) return walk_.touch_bricks(shown);
+    set_out();
     StretchBatch& batch = work_.batch;
     gather_stretches(view_.frame, active_, box, rect, wanted, work_.rays, batch);
     if (projects_) drop_outdone(place.node);
@@ -601,6 +624,9 @@ class TileMarcher {
   const bool projects_;
   const Vectors vectors_;
   TileProjection projection_;
+  const double x0_, y0_, apart_;
+  const std::uint32_t edge_;
+  bool has_set_out_ = false;
   Vec3d viewpoint_;  // that of the rays, from the eye: very far behind it where they are parallel
   Workspace& work_;
   ActiveRays active_, blocked_, stubs_;
