@@ -1,10 +1,11 @@
 // gvx's frames for bench/peers: the finest level, one sample a voxel, everything resident.
 //
-//     gvx_peers_gvx STORE.gvx THREADS [narrow]
+//     gvx_peers_gvx STORE.gvx THREADS [narrow] [levels]
 //
 // narrow: without vectors of AVX-512.
-// Samples are classified as the peers classify theirs; GVX_PEERS_CLASSIFICATION=preintegrated shows gvx's own
-// way.
+// levels: as it comes, of levels of detail, pre-integrated, two samples a voxel.
+// Else samples are classified as the peers classify theirs; GVX_PEERS_CLASSIFICATION=preintegrated shows
+// gvx's own way.
 
 #include <chrono>
 #include <cstdio>
@@ -25,13 +26,13 @@ using namespace gvx;
 
 class GvxSystem : public bench::PeerSystem {
  public:
-  static Result<std::unique_ptr<GvxSystem>> open(const std::string& path, int threads) {
+  static Result<std::unique_ptr<GvxSystem>> open(const std::string& path, int threads, bool levels) {
     GVX_ASSIGN(auto reader, store::StoreReader::open(path));
     const Vec3i size = reader->info().shape.dimensions;
     auto producer = std::make_shared<produce::StoreProducer>(std::move(reader));
     GVX_ASSIGN(auto engine,
                engine::Engine::create(exec::Device::cpu(threads), std::move(producer), {4ull << 30, {}}));
-    return std::unique_ptr<GvxSystem>(new GvxSystem(std::move(engine), Vec3d(size)));
+    return std::unique_ptr<GvxSystem>(new GvxSystem(std::move(engine), Vec3d(size), levels));
   }
 
   Status look(const bench::PeerView& view) override {
@@ -39,12 +40,13 @@ class GvxSystem : public bench::PeerSystem {
     view_.height = view.height;
     view_.functions = {view.function};
     view_.lighting = view.lighting;
-    view_.samples_per_voxel = 1;
-    const char* classification = std::getenv("GVX_PEERS_CLASSIFICATION");
-    view_.classification = classification != nullptr && std::string(classification) == "preintegrated"
-                               ? scene::Classification::preintegrated
-                               : scene::Classification::post;
-    view_.level_of_detail = false;
+    view_.level_of_detail = levels_;
+    if (!levels_) {
+      view_.samples_per_voxel = 1;
+      const char* classification = std::getenv("GVX_PEERS_CLASSIFICATION");
+      const bool own_way = classification != nullptr && std::string(classification) == "preintegrated";
+      view_.classification = own_way ? scene::Classification::preintegrated : scene::Classification::post;
+    }
     // VTK casts between the centres of the outermost voxels: so do all.
     view_.clip = {Vec3d(0.5) / size_, Vec3d(1) - Vec3d(0.5) / size_};
     for (const scene::Camera& camera : {view.camera, bench::moved_aside(view.camera)}) {
@@ -77,23 +79,31 @@ class GvxSystem : public bench::PeerSystem {
   }
 
  private:
-  GvxSystem(std::unique_ptr<engine::Engine> engine, Vec3d size) : engine_(std::move(engine)), size_(size) {}
+  GvxSystem(std::unique_ptr<engine::Engine> engine, Vec3d size, bool levels)
+      : engine_(std::move(engine)), size_(size), levels_(levels) {}
 
   std::unique_ptr<engine::Engine> engine_;
   Vec3d size_;  // voxels
+  bool levels_;
   render::View view_;
 };
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const bool narrow = argc == 4 && std::string(argv[3]) == "narrow";
-  if (argc != 3 && !narrow) {
-    std::fprintf(stderr, "usage: gvx_peers_gvx STORE.gvx THREADS [narrow]\n");
+  bool narrow = false, levels = false, understood = argc >= 3;
+  for (int i = 3; i < argc; ++i) {
+    const std::string word = argv[i];
+    narrow = narrow || word == "narrow";
+    levels = levels || word == "levels";
+    understood = understood && (word == "narrow" || word == "levels");
+  }
+  if (!understood) {
+    std::fprintf(stderr, "usage: gvx_peers_gvx STORE.gvx THREADS [narrow] [levels]\n");
     return 2;
   }
   if (narrow) hwy::DisableTargets(HWY_AVX3 | HWY_AVX3_DL);
-  auto system = GvxSystem::open(argv[1], std::atoi(argv[2]));
+  auto system = GvxSystem::open(argv[1], std::atoi(argv[2]), levels);
   if (!system.ok()) {
     std::fprintf(stderr, "%s\n", system.error().message.c_str());
     return 1;
