@@ -41,7 +41,7 @@ GVX_HD inline Vec3f region_gradient(const Voxel* labels, Vec3f position, Voxel l
 template <typename Voxel, int M>
 GVX_HD void composite_labels(const RayView& ray, const Stretch<Voxel, M>& s, RayState& state) {
   const FrameView& frame = ray.frame;
-  const float units = frame.units_per_tick * static_cast<float>(frame.stride[s.level]);
+  const float units = frame.units_per_tick * static_cast<float>(s.stride);
   const Voxel* labels = s.fine.brick.plane(0);
   for (std::int64_t step = 0; step < s.steps; ++step) {
     const float i = static_cast<float>(step);
@@ -59,14 +59,14 @@ GVX_HD void composite_labels(const RayView& ray, const Stretch<Voxel, M>& s, Ray
   }
 }
 
-/// Steps through matter of one label.
-GVX_HD inline void composite_label(const RayView& ray, float label, int level, std::int64_t steps,
+/// Steps of this stride through matter of one label.
+GVX_HD inline void composite_label(const RayView& ray, float label, double stride, std::int64_t steps,
                                    RayState& state) {
   const FrameView& frame = ray.frame;
   const scene::Matter m = frame.visibility.functions[0].of_label(static_cast<std::uint32_t>(label));
   ++state.samples;
   if (!(m.extinction > 0.0f)) return;
-  const float units = frame.units_per_tick * static_cast<float>(frame.stride[level]);
+  const float units = frame.units_per_tick * static_cast<float>(stride);
   add(state, (1 / m.extinction) * m.color * ray.shade({}, 0, 0).body,
       opacity_of(m.extinction * units * static_cast<float>(steps)));
 }

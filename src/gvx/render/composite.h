@@ -189,7 +189,7 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
   const FrameView& frame = ray.frame;
   const scene::Visibility& visibility = frame.visibility;
   const std::uint32_t channels = kChannels == 1 ? 1 : visibility.channels;
-  const float units = frame.units_per_tick * static_cast<float>(frame.stride[s.level]);
+  const float units = frame.units_per_tick * static_cast<float>(s.stride);
   const bool lit = frame.lighting.lighting.enabled;
   bool by_gradient = false;
   for (std::uint32_t c = 0; c < channels; ++c) {
@@ -248,8 +248,8 @@ GVX_HD void composite_scalars(const RayView& ray, const Stretch<Voxel, M>& s, Ra
   }
 }
 
-/// Steps through matter of one value a channel.
-GVX_HD inline void composite_constant(const RayView& ray, const ChannelRanges& values, int level,
+/// Steps of this stride through matter of one value a channel.
+GVX_HD inline void composite_constant(const RayView& ray, const ChannelRanges& values, double stride,
                                       std::int64_t steps, RayState& state) {
   const FrameView& frame = ray.frame;
   scene::Matter sum;
@@ -263,7 +263,7 @@ GVX_HD inline void composite_constant(const RayView& ray, const ChannelRanges& v
   }
   ++state.samples;
   if (!(sum.extinction > 0.0f)) return;
-  const float units = frame.units_per_tick * static_cast<float>(frame.stride[level]);
+  const float units = frame.units_per_tick * static_cast<float>(stride);
   add(state, sum.color / sum.extinction, opacity_of(sum.extinction * units * static_cast<float>(steps)));
 }
 

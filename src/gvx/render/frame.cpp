@@ -168,6 +168,10 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
                                             std::abs(v.visibility.functions[c].to_entry_scale));
   }
   v.classification = view.classification;
+  // No step is longer than a voxel of the brick that it is in.
+  v.blends_in_long_steps = v.classification == scene::Classification::preintegrated &&
+                           scalar_composite(view, placement) && !v.adds_noise &&
+                           static_cast<float>(placement.n) * v.voxels_per_step <= 1;
   const bool by_gradient = v.visibility.functions[0].gradient_factor != nullptr;
   if (v.classification == scene::Classification::post && scalar_composite(view, placement) &&
       v.visibility.channels == 1 && !by_gradient && !v.adds_noise && device.kind() == exec::DeviceKind::cpu) {

@@ -8,6 +8,9 @@
 /// not on nodes, not on what is resident. Ticks are whole numbers in doubles: beyond 2^53, which takes trees
 /// of more than 30 levels, they are rounded, by far less than the steps that are taken out there.
 ///
+/// Where levels are blended, and steps are pre-integrated, a step may be as long as one of the coarser level:
+/// what is seen is as wide as its voxels, or nearly.
+///
 /// A ray is a cone. Where it is View::detail voxels of level l wide, that level alone is sampled; from there
 /// on the next coarser one is blended in, until the cone is as many of its voxels wide:
 ///
@@ -53,6 +56,7 @@ struct FrameView {
   double finest_voxel = 0;               ///< its width in tree space
   double lod_distance[kMaxLevels] = {};  ///< the cone is View::detail voxels of level l wide there
   double stride[kMaxLevels] = {};        ///< of a step of level l, in ticks
+  bool blends_in_long_steps = false;     ///< those of blended levels are of the coarser one
   float fixed_blend = -1;  ///< share of the coarser level everywhere, if not negative (orthographic)
   int fixed_level = 0;     ///< and the level then
   VoxelFormat format;
@@ -75,6 +79,11 @@ struct FrameView {
   float soft_gradient[kMaxChannels] =
       {};  ///< stored units a voxel at which a gradient counts half as a surface
 
+  /// Of a step where `level` is sampled, and the next coarser one blended in or not.
+  GVX_HD double stride_of(int level, bool blended) const {
+    return stride[blended && blends_in_long_steps ? level - 1 : level];
+  }
+
   /// Steps of one level, blended or not.
   struct Zone {
     int level = 0;
@@ -93,19 +102,22 @@ struct FrameView {
       zone.blended = blends && fixed_blend > 0 && fixed_level > 0;
       return zone;
     }
-    int level = max_level;
-    while (level > 0 && tick >= handover(level - 1, enter)) --level;
-    while (level < max_level && !is_multiple(tick, stride[level])) ++level;
-    zone.level = level;
-    if (level == 0) return zone;
-    const double begins = blends ? handover(level, enter) : kNever;
-    zone.blended = tick >= begins;
-    const int next = zone.blended || !blends ? level - 1 : level;
-    const double at = handover(next, enter);
+    zone.level = max_level;
+    while (zone.level > 0 && tick >= handover(zone.level - 1, enter)) --zone.level;
+    zone.blended = blends && zone.level > 0 && tick >= handover(zone.level, enter);
+    // A zone begins with a whole step: before that, the one before goes on.
+    const auto goes_on = [&] { return !is_multiple(tick, stride_of(zone.level, zone.blended)); };
+    while (zone.level < max_level && goes_on()) {
+      ++zone.level;
+      zone.blended = blends;
+    }
+    if (zone.blended && goes_on()) zone.blended = false;
+    if (zone.level == 0) return zone;
+    const int next = zone.blended || !blends ? zone.level - 1 : zone.level;
+    const double at = handover(next, enter), next_stride = stride_of(next, blends && next > 0);
     if (at == kNever) return zone;
-    const double steps = std::ceil(at / stride[next]),
-                 after = std::floor(tick / stride[next] + kRounding) + 1;
-    zone.end = (steps > after ? steps : after) * stride[next];
+    const double steps = std::ceil(at / next_stride), after = std::floor(tick / next_stride + kRounding) + 1;
+    zone.end = (steps > after ? steps : after) * next_stride;
     return zone;
   }
 
@@ -133,12 +145,12 @@ struct FrameView {
     return voxels > 1 ? voxels * finest_voxel : finest_voxel;
   }
 
-  /// The stride of the steps around distance t, of a ray that enters at `enter`.
+  /// The stride of the steps around distance t, of a ray that enters at `enter`, or a multiple of it.
   GVX_HD double stride_at(double enter, double t) const {
-    if (fixed_blend >= 0) return stride[fixed_level];
+    if (fixed_blend >= 0) return stride_of(fixed_level, fixed_blend > 0 && fixed_level > 0);
     int level = max_level;
     while (level > 0 && (t - enter) / tick_world >= handover(level - 1, enter)) --level;
-    return stride[level];
+    return stride_of(level, level > 0);
   }
   /// What a proxy leaves of a ray within the volume, two voxels more at either end; the tick to begin at.
   GVX_HD double cut(const RayInterval& span, RayInterval& inside) const {

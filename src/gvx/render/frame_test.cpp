@@ -1,5 +1,7 @@
 #include "gvx/render/frame.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace gvx::render {
@@ -25,6 +27,52 @@ TEST(Frame, level_follows_the_cone) {
     EXPECT_EQ(v.zone_at(t * 1.0001, 0).level, level);
     EXPECT_EQ(v.zone_at(t * 0.9999, 0).level, level + 1);
     EXPECT_EQ(v.stride[level], 1 << (5 - level));
+  }
+}
+
+/// Goes along a ray step by step: a zone says the same of all of its steps, is of whole steps, and ends where
+/// the next one begins.
+void expect_whole_steps(const FrameView& v, double enter, bool long_steps) {
+  double tick = 0;
+  int zones = 0;
+  while (true) {
+    const FrameView::Zone zone = v.zone_at(enter, tick);
+    const double stride = v.stride_of(zone.level, zone.blended);
+    EXPECT_EQ(stride, v.stride[long_steps && zone.blended ? zone.level - 1 : zone.level]);
+    ASSERT_GT(zone.end, tick);
+    ++zones;
+    if (zone.end == FrameView::kNever) {
+      EXPECT_EQ(zone.level, 0);
+      break;
+    }
+    const double steps = (zone.end - tick) / stride;
+    ASSERT_EQ(steps, std::floor(steps)) << "level " << zone.level << " from " << tick;
+    for (const double step : {0.0, std::floor(steps / 2), steps - 1}) {
+      const FrameView::Zone again = v.zone_at(enter, tick + step * stride);
+      ASSERT_EQ(again.level, zone.level) << "step " << step << " of " << steps << " from " << tick;
+      ASSERT_EQ(again.blended, zone.blended);
+      ASSERT_EQ(again.end, zone.end);
+    }
+    tick = zone.end;
+  }
+  EXPECT_GE(zones, 3);
+}
+
+TEST(Frame, zones_are_of_whole_steps) {
+  for (const int n : {2, 3}) {
+    const TreePlacement tree{n, 16, 4, {}, {}, {{0, 0, 0}, {1, 1, 1}}, 1, 0, {}};
+    for (const double samples : {1.0, 2.0, 2.5, 3.0, 4.0}) {
+      View view = simple_view();
+      view.samples_per_voxel = samples;
+      for (const auto classification : {scene::Classification::post, scene::Classification::preintegrated}) {
+        view.classification = classification;
+        const Frame frame = Frame::make(exec::Device::cpu(), view, tree).value();
+        // No step may be longer than a voxel of the finer level.
+        const bool long_steps = classification == scene::Classification::preintegrated && samples >= n;
+        EXPECT_EQ(frame.view().blends_in_long_steps, long_steps) << n << " " << samples;
+        for (const double enter : {0.0, 0.37, 2.3}) expect_whole_steps(frame.view(), enter, long_steps);
+      }
+    }
   }
 }
 

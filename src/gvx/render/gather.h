@@ -47,16 +47,16 @@ GVX_HD void gather_stretch(const RayView& ray, const Stretch<Voxel, M>& s, RaySt
   composite_scalars<kMaxChannels>(ray, s, state);
 }
 
-/// From a node of one value a channel.
-GVX_HD inline void gather_constant(const RayView& ray, const ChannelRanges& values, int level,
+/// From a node of one value a channel, in steps of this stride.
+GVX_HD inline void gather_constant(const RayView& ray, const ChannelRanges& values, double stride,
                                    std::int64_t steps, RayState& state) {
   const FrameView& frame = ray.frame;
   if (frame.format.content == VoxelContent::labels) {
-    composite_label(ray, values.channel[0].minimum, level, steps, state);
+    composite_label(ray, values.channel[0].minimum, stride, steps, state);
   } else if (projects(frame)) {
-    project_constant(ray, values, level, steps, state);
+    project_constant(ray, values, stride, steps, state);
   } else if (frame.visibility.mode == scene::Mode::composite) {
-    composite_constant(ray, values, level, steps, state);
+    composite_constant(ray, values, stride, steps, state);
   }
 }
 

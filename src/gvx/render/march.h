@@ -110,7 +110,7 @@ class RayMarcher {
     step.level = zone.level;
     step.blended = zone.blended;
     step.zone_end = zone.end;
-    step.stride = frame.stride[step.level];
+    step.stride = frame.stride_of(step.level, step.blended);
     step.t_centre = t_at(step.tick + 0.5 * step.stride);
     // A projection has a value wherever there is volume, be it less than half a step of it.
     if (projects() && step.tick == 0 && !(step.t_centre < inside_.exit)) {
@@ -147,7 +147,7 @@ class RayMarcher {
     // A preview's coarser brick is sampled in its own, longer steps.
     const bool coarser = place.coarser_than(step.level);
     const int step_level = coarser ? place.brick_level : step.level;
-    const double stride = view_.frame.stride[step_level];
+    const double stride = coarser ? view_.frame.stride[step_level] : step.stride;
     const double t_step = view_.frame.tick_world * stride;
     const LevelView& level = view_.frame.levels[place.level];
     double t_exit = inside_.exit;
@@ -172,11 +172,11 @@ class RayMarcher {
     if (place.kind == Place::brick) steps = steps < kMostInBrick ? steps : kMostInBrick;
     state.tick += static_cast<double>(steps) * stride;
     if (place.kind == Place::constant) {
-      gather_constant(ray_view(), walk_.ranges_of(place), step.level, steps, state);
+      gather_constant(ray_view(), walk_.ranges_of(place), stride, steps, state);
     }
     if (place.kind != Place::brick) return false;
     walk_.touch_bricks(place);
-    stretch = stretch_of(step, place, step_level, t_step, steps);
+    stretch = stretch_of(step, place, step_level, stride, steps);
     return true;
   }
 
@@ -194,11 +194,13 @@ class RayMarcher {
     return path;
   }
 
-  GVX_HD Stretch<Voxel, M> stretch_of(const Step& step, const Place& place, int step_level, double t_step,
+  GVX_HD Stretch<Voxel, M> stretch_of(const Step& step, const Place& place, int step_level, double stride,
                                       std::int64_t steps) const {
+    const double t_step = view_.frame.tick_world * stride;
     Stretch<Voxel, M> s;
     s.steps = steps;
     s.level = step_level;
+    s.stride = stride;
     s.t_centre = step.t_centre;
     s.t_step = t_step;
     s.fine = path_in(place.slot, place.brick_level, step, place, t_step);

@@ -12,7 +12,7 @@ template <typename Voxel, int M>
 GVX_HD void composite_post(const RayView& ray, const Stretch<Voxel, M>& s, RayState& state) {
   const FrameView& frame = ray.frame;
   const scene::Visibility& visibility = frame.visibility;
-  const float units = frame.units_per_tick * static_cast<float>(frame.stride[s.level]);
+  const float units = frame.units_per_tick * static_cast<float>(s.stride);
   const bool lit = frame.lighting.lighting.enabled;
   for (std::int64_t step = 0; step < s.steps && state.phase == RayPhase::under_way; ++step) {
     const auto i = static_cast<float>(step);

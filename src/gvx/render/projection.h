@@ -40,7 +40,7 @@ GVX_HD inline bool outdone(scene::Mode mode, RayState& state, std::uint32_t chan
 template <typename Voxel, int M>
 GVX_HD void project_stretch(const RayView& ray, const Stretch<Voxel, M>& s, RayState& state) {
   const FrameView& frame = ray.frame;
-  const float ticks = static_cast<float>(frame.stride[s.level]);
+  const float ticks = static_cast<float>(s.stride);
   for (std::int64_t step = 0; step < s.steps; ++step) {
     const float i = static_cast<float>(step);
     const float blend = s.blend_at(frame, i);
@@ -51,9 +51,9 @@ GVX_HD void project_stretch(const RayView& ray, const Stretch<Voxel, M>& s, RayS
   }
 }
 
-GVX_HD inline void project_constant(const RayView& ray, const ChannelRanges& values, int level,
+GVX_HD inline void project_constant(const RayView& ray, const ChannelRanges& values, double stride,
                                     std::int64_t steps, RayState& state) {
-  const float ticks = static_cast<float>(ray.frame.stride[level] * static_cast<double>(steps));
+  const float ticks = static_cast<float>(stride * static_cast<double>(steps));
   for (std::uint32_t c = 0; c < ray.frame.visibility.channels; ++c) {
     project(ray.frame.visibility.mode, state, c, values.channel[c].minimum, ticks);
   }

@@ -47,6 +47,7 @@ template <typename Voxel, int M>
 struct Stretch {
   std::int64_t steps = 0;
   int level = 0;        ///< whose steps these are, and whose brick the fine one is
+  double stride = 1;    ///< of a step, in ticks
   double t_centre = 0;  ///< of the first step
   double t_step = 0;
   BrickPath<Voxel, M> fine;

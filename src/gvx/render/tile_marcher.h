@@ -321,7 +321,7 @@ class TileMarcher {
   /// Up to where rays may not have noticed yet that the zone of `level` has begun.
   double zone_ends(int level) const {
     const FrameView& frame = view_.frame;
-    return (1 + 1e-9) * frame.lod_distance[level] + 2 * frame.stride[level] * frame.tick_world;
+    return (1 + 1e-9) * frame.lod_distance[level] + 2 * frame.stride_of(level, level > 0) * frame.tick_world;
   }
   bool may_be_zone(int level, bool blended, const Levels& levels) const {
     const FrameView& frame = view_.frame;
@@ -356,6 +356,8 @@ class TileMarcher {
     wanted.zone = TileRays::zone_number(level, blended);
     wanted.coarser = shown.coarser_than(level);
     wanted.step_level = wanted.coarser ? shown.brick_level : level;
+    wanted.stride =
+        wanted.coarser ? view_.frame.stride[shown.brick_level] : view_.frame.stride_of(level, blended);
     work_.batch.blended = false;
     const bool is_brick = shown.kind == Place::brick && !stops;
     const bool seen = is_brick && prepare(shown, level, wanted);
@@ -376,7 +378,7 @@ class TileMarcher {
       walk_.ask_for_own(place);
     }
     if (preview_) count_wanted(place, level);
-    if (shown.kind == Place::constant) gather_constants(shown, level);
+    if (shown.kind == Place::constant) gather_constants(shown);
     if (!is_brick) return;
     walk_.touch_bricks(shown);
     if (!seen) return;
@@ -404,7 +406,8 @@ class TileMarcher {
     };
     Stretch<Voxel, M> s;
     s.level = wanted.step_level;
-    s.t_step = frame.tick_world * frame.stride[wanted.step_level];
+    s.stride = wanted.stride;
+    s.t_step = frame.tick_world * wanted.stride;
     s.fine.brick = view_.bricks.brick(place.slot);
     s.fine.voxels_across = voxels_across(place.brick_level);
     s.fine_deviates = place.brick_level < frame.max_level && place.brick_level == level;
@@ -485,7 +488,7 @@ class TileMarcher {
   bool prepare(const Place& place, int level, StretchesWanted& wanted) {
     const FrameView& frame = view_.frame;
     StretchBatch& batch = work_.batch;
-    batch.units = frame.units_per_tick * static_cast<float>(frame.stride[wanted.step_level]);
+    batch.units = frame.units_per_tick * static_cast<float>(wanted.stride);
     batch.level = wanted.step_level;
     batch.blended = place.blended;
     wanted.fine = path_of(place, place.slot, place.brick_level, batch.fine);
@@ -546,7 +549,7 @@ class TileMarcher {
     --left_;
   }
 
-  void gather_constants(const Place& place, int level) {
+  void gather_constants(const Place& place) {
     const ChannelRanges values = walk_.ranges_of(place);
     TileRays& rays = work_.rays;
     for (std::uint32_t i = 0; i < work_.batch.count; ++i) {
@@ -555,8 +558,8 @@ class TileMarcher {
       state.phase = RayPhase::under_way;
       const double steps = std::rint((rays.tick[ray] - rays.start[ray]) / rays.stride[ray]);
       constexpr double kMostSteps = 1e15;
-      gather_constant(ray_view(ray), values, level, static_cast<std::int64_t>(std::min(steps, kMostSteps)),
-                      state);
+      gather_constant(ray_view(ray), values, rays.stride[ray],
+                      static_cast<std::int64_t>(std::min(steps, kMostSteps)), state);
       put(ray, state);
       if (state.phase == RayPhase::finished) retire(ray);
     }

@@ -174,6 +174,7 @@ struct BrickPlace {
 struct StretchesWanted {
   std::int32_t zone = 0;  ///< those that stand in this zone
   int step_level = 0;     ///< its level, or that of a coarser brick
+  double stride = 1;      ///< of their steps, in ticks
   bool coarser = false;   ///< then steps do not end with the zone
   BrickPlace fine, coarse;
 };

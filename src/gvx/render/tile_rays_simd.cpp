@@ -330,7 +330,7 @@ HWY_INLINE void put_path(const TileRays& rays, const Double (&p)[3], std::size_t
 void gather_stretches_of(const FrameView& frame, const ActiveRays& active, const NodeBox& node,
                          const TileRect& rect, const StretchesWanted& wanted, TileRays& rays,
                          StretchBatch& batch) {
-  const double step_stride = frame.stride[wanted.step_level];
+  const double step_stride = wanted.stride;
   const Double half = all(0.5), one = all(1), tick_world = all(frame.tick_world);
   const Double t_step = all(frame.tick_world * step_stride);
   const double m = batch.m;
@@ -507,7 +507,7 @@ HWY_EXPORT(project_children_of);
 void TileRays::find_zone(const FrameView& frame, std::uint32_t ray) {
   const FrameView::Zone found = frame.zone_at(enter[ray], tick[ray]);
   zone[ray] = zone_number(found.level, found.blended);
-  stride[ray] = frame.stride[found.level];
+  stride[ray] = frame.stride_of(found.level, found.blended);
   steps_per_t[ray] = 1 / (stride[ray] * frame.tick_world);
   zone_end[ray] = found.end;
 }
