@@ -1,6 +1,7 @@
 // Vectors of rays show what one ray at a time shows, whatever the instruction set.
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <set>
 #include <string>
@@ -118,6 +119,33 @@ TEST(Vectors, show_what_one_ray_at_a_time_shows) {
   });
   variant("by gradient", [](auto& v) { v.functions[0].gradients = {{0, 0}, {0.02, 0.2}, {0.1, 1}}; });
   variant("flat highlights", [](auto& v) { v.lighting.shininess = 0; });
+}
+
+TEST(Vectors, beside_an_object_leave_tiles_blank) {
+  TestScene scene = analytic_scene("vectors_blank", ball, {40, 40, 40}, {1, 1, 1}, 2, 8);
+  scene.view.width = 330;
+  scene.view.height = 200;
+  scene.view.opaque_background = false;
+  const scene::Camera near = scene.view.camera;
+  scene::Camera far = near;
+  far.eye = near.target + 6.0 * (near.eye - near.target);
+  scene.view.camera = far;
+  expect_alike(scene, "a small ball");
+  // Of one engine whose picture before was all ball.
+  const auto engine = engine::Engine::create(exec::Device::cpu(), scene.open(), {}).value();
+  for (const scene::Camera& camera : {near, far}) {
+    scene.view.camera = camera;
+    ASSERT_TRUE(engine->look(scene.view).ok());
+    while (!engine->converged()) ASSERT_TRUE(engine->render_for(std::chrono::milliseconds(3)).ok());
+    const render::Picture picture = engine->picture();
+    EXPECT_EQ(picture.rgba, render_exact(scene).rgba);
+    const auto seen = static_cast<double>(
+        std::count_if(picture.rgba.begin(), picture.rgba.end(), [](float v) { return v > 0; }));
+    EXPECT_GT(seen, 0);
+    if (camera == far) {
+      EXPECT_LT(seen, 0.1 * static_cast<double>(picture.rgba.size()));
+    }
+  }
 }
 
 TEST(Vectors, through_nodes_of_one_value_where_levels_change) {

@@ -207,6 +207,7 @@ render::Pass Engine::pass(const render::Frame& frame) {
   pass.cells = residency_.cell_masks();
   pass.one_ray_at_a_time = one_ray_at_a_time_;
   pass.epoch = film_->epoch();
+  pass.blank_tiles = film_->blank_tiles();
   return pass;
 }
 
@@ -490,6 +491,7 @@ void Engine::prefetch(exec::Deadline deadline) {
   std::iota(tile_list_.view().begin(), tile_list_.view().begin() + grid.tiles(), 0u);
   render::Pass ahead = pass(frame.value());
   ahead.epoch = ahead_->epoch();
+  ahead.blank_tiles = {};
   bool drawn = false;
   {
     const TimeSum::Span marching(marching_);

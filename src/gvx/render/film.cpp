@@ -48,9 +48,11 @@ Film::Film(const exec::Device& device, std::uint32_t width, std::uint32_t height
     : width_(width),
       height_(height),
       rays_(device, std::size_t(width) * height),
-      preview_(device, std::size_t(width) * height) {}
+      preview_(device, std::size_t(width) * height),
+      blank_tiles_(device, grid().tiles()) {}
 
 Film::Seen Film::seen(std::uint32_t x, std::uint32_t y) const {
+  if (is_blank(x, y)) return {};
   const RayState& ray = rays_.view()[std::size_t(y) * width_ + x];
   if (ray.epoch == epoch_ && ray.phase == RayPhase::finished) return {ray.color, ray.opacity};
   Seen best;
@@ -98,9 +100,13 @@ Picture Film::develop(std::uint32_t rays_per_axis, Vec3f background, bool opaque
 
 FilmTotals Film::totals() const {
   FilmTotals totals;
-  for (const RayState& ray : rays_.view()) {
-    if (ray.epoch == epoch_) totals.samples += ray.samples;
-    totals.unfinished += ray.epoch == epoch_ && ray.phase == RayPhase::finished ? 0 : 1;
+  for (std::uint32_t y = 0; y < height_; ++y) {
+    for (std::uint32_t x = 0; x < width_; ++x) {
+      const RayState& ray = rays_.view()[std::size_t(y) * width_ + x];
+      if (ray.epoch == epoch_) totals.samples += ray.samples;
+      const bool finished = ray.epoch == epoch_ && ray.phase == RayPhase::finished;
+      totals.unfinished += finished || is_blank(x, y) ? 0 : 1;
+    }
   }
   for (const PreviewPixel& pixel : preview_.view()) {
     if (pixel.epoch != epoch_) continue;

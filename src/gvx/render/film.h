@@ -48,6 +48,9 @@ class Film {
   exec::TileGrid grid() const { return {width_, height_}; }
   exec::BufferView<RayState> rays() { return rays_.view(); }
   exec::BufferView<PreviewPixel> preview() { return preview_.view(); }
+  /// Of each tile of the grid the epoch in which it was found that none of its rays sees anything: then these
+  /// are finished, and their states are not written, which are most of what a picture takes in memory.
+  exec::BufferView<std::uint32_t> blank_tiles() { return blank_tiles_.view(); }
 
   /// All rays back to their start and no preview: a new epoch.
   void clear() { ++epoch_; }
@@ -69,11 +72,15 @@ class Film {
     float opacity = 0;
   };
   Seen seen(std::uint32_t x, std::uint32_t y) const;
+  bool is_blank(std::uint32_t x, std::uint32_t y) const {
+    return blank_tiles_.view()[grid().tile_of(x, y)] == epoch_;
+  }
 
   std::uint32_t width_, height_;
   std::uint32_t epoch_ = 1;
   exec::Buffer<RayState> rays_;
   exec::Buffer<PreviewPixel> preview_;
+  exec::Buffer<std::uint32_t> blank_tiles_;
 };
 
 }  // namespace gvx::render

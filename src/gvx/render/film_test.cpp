@@ -35,6 +35,22 @@ TEST(Film, shows_finished_rays_then_the_finest_preview_then_the_background) {
   EXPECT_EQ(film.develop(1, {0, 0, 0.5f}, true).rgba[4 * 3 + 2], 0.5f);
 }
 
+TEST(Film, shows_nothing_in_blank_tiles_whatever_was_there) {
+  Film film(exec::Device::cpu(), 100, 10);
+  for (RayState& ray : film.rays()) ray = {1, {1, 0, 0}, 1, RayPhase::finished, 2, 1};
+  film.clear();
+  film.preview()[70] = {{0, 1, 0}, 1, 1, 1, 0, 2, 1};
+  film.blank_tiles()[1] = 2;
+  const Picture picture = film.develop(1, {0, 0, 0.5f}, true);
+  EXPECT_EQ(picture.rgba[4 * 70], 0);
+  EXPECT_EQ(picture.rgba[4 * 70 + 1], 0);
+  EXPECT_EQ(picture.rgba[4 * 70 + 2], 0.5f);
+  EXPECT_EQ(film.totals().unfinished, 64u * 10);
+  EXPECT_EQ(film.totals().samples, 0u);
+  film.clear();
+  EXPECT_EQ(film.totals().unfinished, 1000u);
+}
+
 TEST(Picture, keeps_alpha_apart_for_png_and_multiplied_and_linear_for_exr) {
   Film film(exec::Device::cpu(), 1, 1);
   film.rays()[0] = {0, {0.25f, 0.5f, 0}, 0.5f, RayPhase::finished, 0, 1};

@@ -34,6 +34,27 @@ inline Workspace& this_threads_workspace() {
   return *workspace;
 }
 
+/// Where the states of a tile's rays are to be put: rows of `width`, from each to the next so many states.
+struct TileStates {
+  const RayState* first = nullptr;
+  std::size_t row = 0;
+  std::uint32_t width = 0, height = 0;
+
+  /// Has the processor fetch what is about to be written.
+  void prefetch() const {
+#if defined(__GNUC__)
+    for (std::uint32_t j = 0; j < height; ++j) {
+      const auto* at = reinterpret_cast<const char*>(first + j * row);
+      const std::size_t bytes = width * sizeof(RayState);
+      // A row may begin in the middle of what is fetched at once.
+      for (std::size_t byte = 0; byte < bytes + 63; byte += 64) {
+        __builtin_prefetch(at + std::min(byte, bytes - 1), 1);
+      }
+    }
+#endif
+  }
+};
+
 template <typename Voxel, int N, int M>
 class TileMarcher {
  public:
@@ -81,6 +102,11 @@ class TileMarcher {
       active_.row[y] &= rays.row[y];
     }
   }
+
+  /// All of these are to be written, when the rays see anything.
+  void will_put(const TileStates& states) { states_ = states; }
+  /// Does no ray see anything?
+  bool is_blank() const { return !has_set_out_; }
 
   /// Marches until no ray has anything to go through, or the deadline.
   void march(exec::Deadline deadline) {
@@ -153,6 +179,7 @@ class TileMarcher {
   void set_out() {
     if (has_set_out_) return;
     has_set_out_ = true;
+    states_.prefetch();
     const FrameView& frame = view_.frame;
     TileRays& rays = work_.rays;
     const ActiveRays wanted = active_;
@@ -630,6 +657,7 @@ class TileMarcher {
   const double x0_, y0_, apart_;
   const std::uint32_t edge_;
   bool has_set_out_ = false;
+  TileStates states_;
   Vec3d viewpoint_;  // that of the rays, from the eye: very far behind it where they are parallel
   Workspace& work_;
   ActiveRays active_, blocked_, stubs_;

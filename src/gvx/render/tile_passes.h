@@ -23,20 +23,6 @@ struct TilePart {
         width(std::min(grid.tile, grid.width - x0)),
         height(std::min(grid.tile, grid.height - y0)) {}
 
-  /// Has the processor fetch what is about to be written.
-  void prefetch([[maybe_unused]] exec::BufferView<RayState> rays, std::uint32_t picture_width) const {
-#if defined(__GNUC__)
-    for (std::uint32_t j = 0; j < height; ++j) {
-      const auto* row = reinterpret_cast<const char*>(&rays[std::size_t(y0 + j) * picture_width + x0]);
-      const std::size_t bytes = width * sizeof(RayState);
-      // A row may begin in the middle of what is fetched at once.
-      for (std::size_t byte = 0; byte < bytes + 63; byte += 64) {
-        __builtin_prefetch(row + std::min(byte, bytes - 1), 1);
-      }
-    }
-#endif
-  }
-
   /// Calls function(i, x, y) for each of its rays; i is the ray's place among those of the tile.
   template <typename Function>
   void for_rays(Function function) const {
@@ -75,6 +61,8 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
   exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
     if (!turns.all_taken()) return;
     const TilePart part(grid, tiles[t]);
+    const bool may_be_blank = pass.blank_tiles.size > 0;
+    if (may_be_blank && pass.blank_tiles[tiles[t]] == pass.epoch) return;
     const auto index_of = [&](std::uint32_t x, std::uint32_t y) { return std::size_t(y) * grid.width + x; };
     const auto index_of_ray = [&](std::uint32_t i) {
       return index_of(part.x0 + i % TileRays::kEdge, part.y0 + i / TileRays::kEdge);
@@ -86,7 +74,6 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
     const bool is_new =
         pass.lone_ray == Pass::kAllRays && rays[index_of(part.x0, part.y0)].epoch != pass.epoch;
     if (is_new) {
-      part.prefetch(rays, grid.width);
       marching = ActiveRays::all_of(part.width, part.height);
       all_finished = false;
     } else {
@@ -106,8 +93,13 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
     if (marching.count() == 0 || !turns.take()) return;
     TileMarcher<Voxel, N, M> marcher(view, projection, part.x0, part.y0, 1, grid.tile, false);
     marcher.leave_out_all_but(marching);
+    if (is_new) marcher.will_put({&rays[index_of_ray(0)], grid.width, part.width, part.height});
     resuming.for_each([&](std::uint32_t i) { marcher.resume(i, rays[index_of_ray(i)]); });
     marcher.march(deadline);
+    if (is_new && may_be_blank && marcher.is_blank()) {
+      pass.blank_tiles[tiles[t]] = pass.epoch;
+      return exec::store_relaxed(&unfinished[tiles[t]], 0);
+    }
     bool finished = marching.count() == part.width * part.height;
     const auto done = [&](RayState& ray) {
       ray.epoch = pass.epoch;
@@ -142,19 +134,23 @@ bool preview_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, c
                    exec::BufferView<PreviewPixel> pixels) {
   Turns turns(deadline);
   const TileProjection projection(view.frame, double(block));
+  const exec::TileGrid film{view.frame.width, view.frame.height};
   exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
     if (!turns.all_taken()) return;
     const TilePart part(grid, tiles[t]);
     const auto index_of = [&](std::uint32_t x, std::uint32_t y) {
       return std::size_t(y) * block * view.frame.width + std::size_t(x) * block;
     };
-    const auto is_drawn = [&](std::size_t pixel) {
+    const auto is_drawn = [&](std::uint32_t x, std::uint32_t y) {
+      const bool may_be_blank = pass.blank_tiles.size > 0;
+      if (may_be_blank && pass.blank_tiles[film.tile_of(x * block, y * block)] == pass.epoch) return true;
+      const std::size_t pixel = index_of(x, y);
       return (rays[pixel].epoch == pass.epoch && rays[pixel].phase == RayPhase::finished) ||
              (pixels[pixel].epoch == pass.epoch && pixels[pixel].generation == generation);
     };
     ActiveRays missing;
     part.for_rays([&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
-      if (!is_drawn(index_of(x, y))) missing.set(i);
+      if (!is_drawn(x, y)) missing.set(i);
     });
     if (missing.count() == 0 || !turns.take()) return;
     TileMarcher<Voxel, N, M> marcher(view, projection, double(part.x0) * block, double(part.y0) * block,
