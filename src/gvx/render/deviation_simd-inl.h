@@ -10,6 +10,7 @@
 #define GVX_RENDER_DEVIATION_SIMD_INL_H
 #endif
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -109,8 +110,9 @@ class DeviationQuads : public Deviations {
   /// Fills the quads as far as a path's rays come.
   HWY_INLINE void make(StretchBatch::Path& path) const {
     const std::size_t row = static_cast<std::size_t>(row_), slice = row * row;
-    const TexelRows rows{path.first_row[0] / 2, (path.last_row[0] + 1) / 2, path.first_row[1] / 2,
-                         (path.last_row[1] + 1) / 2};
+    const auto edge = static_cast<std::uint32_t>(row_ - 2);
+    const auto last = [&](int axis) { return std::min((path.last_row[axis] + 1) / 2, edge); };
+    const TexelRows rows{path.first_row[0] / 2, last(0), path.first_row[1] / 2, last(1)};
     constexpr std::size_t kMostEdge = 16;
     std::uint16_t halves[plane_texels(kMostEdge)];
     for (std::size_t z = rows.first_z; z <= rows.last_z + 1; ++z) {

@@ -10,6 +10,7 @@
 #define GVX_RENDER_QUADS_SIMD_INL_H
 #endif
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -137,7 +138,8 @@ HWY_INLINE void make_quads(const Number* numbers, std::size_t row, const TexelRo
 
 /// Those of a path's brick of bytes, as far as its rays come.
 HWY_INLINE void make_quads(std::uint32_t m, StretchBatch::Path& path) {
-  const TexelRows rows{path.first_row[0], path.last_row[0], path.first_row[1], path.last_row[1]};
+  const TexelRows rows{path.first_row[0], std::min(path.last_row[0], m), path.first_row[1],
+                       std::min(path.last_row[1], m)};
   make_quads(reinterpret_cast<const std::uint8_t*>(path.brick), m + 2, rows, path.quads);
 }
 

@@ -31,8 +31,9 @@ struct StretchBatch {
     float voxels_across = 1;  ///< of its level, in all of tree space
     alignas(64) float row[kMost + 1][8];
 
-    /// Of the brick's texels those that places of the rays are behind, along y and z: the first and last.
-    std::uint32_t first_row[2] = {}, last_row[2] = {};
+    /// Of the brick's texels those that places of the rays are behind, along y and z: the first and last, as
+    /// far as there are any.
+    std::uint32_t first_row[2] = {}, last_row[2] = {32, 32};
     /// Where these are put, if that pays. Of bytes, of each texel: itself, the next along y, the next along
     /// z, and the one that is next along both, from the lowest bits up.
     alignas(64) std::uint32_t quads[plane_texels(32)];
