@@ -32,8 +32,10 @@ struct View {
   Box3d clip{{0, 0, 0}, {1, 1, 1}};  ///< in fractions of the volume's box along its axes
   Vec3f background{0, 0, 0};         ///< display (sRGB)
   bool opaque_background = true;     ///< otherwise pixels keep their alpha
-  double samples_per_voxel = 2;      ///< along a ray, of the level that is sampled
-  bool level_of_detail = true;       ///< otherwise the finest level everywhere
+  /// Along a ray, of the level that is sampled; of two that are blended, pre-integrated, of the coarser one,
+  /// unless that were less than one a voxel of the finer.
+  double samples_per_voxel = 2;
+  bool level_of_detail = true;  ///< otherwise the finest level everywhere
   /// Voxels across a ray's cone where levels of detail are chosen: at 2 the filter between voxels is as wide
   /// as the cone, 1 is blurred and loads a quarter.
   double detail = 2;
