@@ -176,8 +176,8 @@ struct LaidOut {
   using Texels = std::conditional_t<kQuads, QuadTexels, PlainTexels<Voxel>>;
   using Deviations = DeviationQuads;
 
-  static void make(std::uint32_t m, const StretchBatch& batch, StretchBatch::Path& path) {
-    if constexpr (kQuads) make_quads(m, path);
+  static void make(const StretchBatch& batch, StretchBatch::Path& path) {
+    if constexpr (kQuads) make_quads(batch.m, path);
     const Deviations deviates = deviations(batch, path);
     if (deviates.some()) deviates.make(path);
   }

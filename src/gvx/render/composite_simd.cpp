@@ -286,8 +286,8 @@ void composite_all(const FrameView& frame, StretchBatch& batch) {
   bool laid_out = false;
   in_runs<LooksAt::ends>(batch, [&](const StepRuns& runs) HWY_ATTR {
     if (!laid_out && has_other_layout && pays_to_lay_out(batch)) {
-      LaidOut<Voxel>::make(batch.m, batch, batch.fine);
-      if (batch.blended) LaidOut<Voxel>::make(batch.m, batch, batch.coarse);
+      LaidOut<Voxel>::make(batch, batch.fine);
+      if (batch.blended) LaidOut<Voxel>::make(batch, batch.coarse);
       laid_out = true;
     }
     if (laid_out) return composite_in<LaidOut<Voxel>>(frame, batch, runs);

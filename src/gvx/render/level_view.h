@@ -42,6 +42,8 @@ struct LevelView {
     return {std::floor((cell.x + digit.x) / n), std::floor((cell.y + digit.y) / n),
             std::floor((cell.z + digit.z) / n)};
   }
+  /// A node's place among the children of that.
+  GVX_HD Vec3d child(Vec3d cell, int n) const { return cell + digit - double(n) * parent(cell, n); }
 };
 
 }  // namespace gvx::render

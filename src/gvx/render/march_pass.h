@@ -30,7 +30,7 @@ struct Pass {
   brick::CellMaskView cells;
   std::uint32_t number = 0;                     ///< the stamp of this pass
   std::uint32_t epoch = 0;                      ///< of the film
-  exec::BufferView<std::uint32_t> blank_tiles;  ///< Film::blank_tiles, for a CPU to fill, or nothing
+  exec::BufferView<std::uint32_t> blank_tiles;  ///< Film::blank_tiles; for previews, or nothing
   /// If not kAllRays, the one ray that marches, y * width + x: where memory does not hold what two need.
   std::uint64_t lone_ray = kAllRays;
 

@@ -13,10 +13,10 @@
 #include "gvx/render/gather.h"
 #include "gvx/render/march.h"
 #include "gvx/render/march_view.h"
+#include "gvx/render/place_bricks.h"
 #include "gvx/render/stretch_batch.h"
 #include "gvx/render/tile_rays.h"
 #include "gvx/render/vectors.h"
-#include "gvx/render/visible_cells.h"
 
 namespace gvx::render {
 
@@ -69,6 +69,7 @@ class TileMarcher {
         blends_(view.frame.format.content != VoxelContent::labels),
         projects_(render::projects(view.frame)),
         vectors_(vectors_for(view.frame)),
+        bricks_(view, vectors_),
         projection_(projection),
         x0_(x0),
         y0_(y0),
@@ -105,7 +106,7 @@ class TileMarcher {
 
   /// All of these are to be written, when the rays see anything.
   void will_put(const TileStates& states) { states_ = states; }
-  /// Does no ray see anything?
+  /// Does no ray of those that march see anything?
   bool is_blank() const { return !has_set_out_; }
 
   /// Marches until no ray has anything to go through, or the deadline.
@@ -128,7 +129,7 @@ class TileMarcher {
   /// Where ray `index` is now: all of the state but its epoch. Number by number, since a copy of a state that
   /// was just put together waits for all of its stores.
   void put_state(std::uint32_t index, RayState& state) const {
-    if (!has_set_out_) {
+    if (!has_set_out_) {  // one ray alone, that sees nothing
       state = RayState{};
       state.phase = RayPhase::finished;
       return;
@@ -387,7 +388,7 @@ class TileMarcher {
         wanted.coarser ? view_.frame.stride[shown.brick_level] : view_.frame.stride_of(level, blended);
     work_.batch.blended = false;
     const bool is_brick = shown.kind == Place::brick && !stops;
-    const bool seen = is_brick && prepare(shown, level, wanted);
+    const bool seen = is_brick && bricks_.prepare(shown, level, wanted, work_.batch);
     // Cells that cannot be seen are nobody's business, unless rays are counted or have passed them.
     if (is_brick && !seen && !preview_ && !resumed_) return walk_.touch_bricks(shown);
     set_out();
@@ -511,37 +512,6 @@ class TileMarcher {
     }
   }
 
-  /// Makes the batch ready for a place's brick; false where nothing of that can be seen.
-  bool prepare(const Place& place, int level, StretchesWanted& wanted) {
-    const FrameView& frame = view_.frame;
-    StretchBatch& batch = work_.batch;
-    batch.units = frame.units_per_tick * static_cast<float>(wanted.stride);
-    batch.level = wanted.step_level;
-    batch.blended = place.blended;
-    wanted.fine = path_of(place, place.slot, place.brick_level, batch.fine);
-    // Far coarser than wanted, deviations are of more than a step can tell apart: they would show fog.
-    batch.fine.deviates = place.brick_level < frame.max_level && place.brick_level == level;
-    batch.fine.gradient_scale = frame.gradient_scale[wanted.step_level];
-    if (place.blended) {
-      wanted.coarse = path_of(place, place.parent_slot, place.level - 1, batch.coarse);
-      batch.coarse.deviates = true;
-      batch.coarse.gradient_scale = frame.gradient_scale[wanted.step_level - 1];
-    }
-    batch.cells = cells_of(place);
-    const bool pays =
-        vectors_ == Vectors::composite_post || (vectors_ == Vectors::composite && place.blended);
-    if (batch.cells != 0 && pays) prefetch(batch.fine.brick);
-    return batch.cells != 0;
-  }
-  /// Has the processor fetch a brick, while its rays are gathered.
-  static void prefetch([[maybe_unused]] const std::byte* brick) {
-#if defined(__GNUC__)
-    // No more than half of what the nearest cache holds.
-    constexpr std::size_t kMost = 16384, kBytes = std::min(plane_texels(M) * sizeof(Voxel), kMost);
-    for (std::size_t byte = 0; byte < kBytes; byte += 64) __builtin_prefetch(brick + byte);
-#endif
-  }
-
   /// The rays of the list stop before what they were to go through.
   void block() {
     for (std::uint32_t i = 0; i < work_.batch.count; ++i) {
@@ -599,53 +569,6 @@ class TileMarcher {
     work_.rays.samples[ray] = static_cast<std::int32_t>(state.samples);
   }
 
-  /// Those of a place's cells in which something can be seen; all where that is not known.
-  std::uint64_t cells_of(const Place& place) const {
-    constexpr std::uint64_t kAll = ~std::uint64_t(0);
-    const scene::TransferView& function = view_.frame.visibility.functions[0];
-    const bool post = view_.frame.classification == scene::Classification::post;
-    if (vectors_ != Vectors::composite && !(post && view_.frame.step_colors != nullptr)) return kAll;
-    // What is blended of values that cannot be seen may be between them.
-    if (place.blended && post && !function.hides_lowest_only()) return kAll;
-    const std::uint64_t cells = cells_of(place.slot, place.brick_level);
-    if (!place.blended || cells == kAll) return cells;
-    const int digit[3] = {digit_of(place, 0), digit_of(place, 1), digit_of(place, 2)};
-    return cells | cells_of_child<N>(cells_of(place.parent_slot, place.level - 1), digit);
-  }
-  /// Where a place's node is among the children of the node above.
-  int digit_of(const Place& place, int axis) const {
-    const LevelView& level = view_.frame.levels[place.level];
-    return static_cast<int>(place.cell[axis] + level.digit[axis] - N * level.parent(place.cell, N)[axis]);
-  }
-  std::uint64_t cells_of(BrickIndex slot, int level) const {
-    return view_.cells.of(slot, [&] {
-      const scene::TransferView& function = view_.frame.visibility.functions[0];
-      // A pre-integrated step may go from one cell to another, and through all that is between their values.
-      const bool post = view_.frame.classification == scene::Classification::post;
-      const auto brick = view_.bricks.brick(slot);
-      return visible_cells<M>(
-          brick.voxels, post || level == view_.frame.max_level ? nullptr : brick.deviations(0),
-          [&](ValueRange values, float deviation) {
-            return post ? function.transparent(values) : function.below_visible(values, deviation);
-          });
-    });
-  }
-
-  BrickPlace path_of(const Place& place, BrickIndex slot, int level, StretchBatch::Path& path) const {
-    path.brick = reinterpret_cast<const std::byte*>(view_.bricks.brick(slot).voxels);
-    const BrickCorner<N> at(view_.frame, place, level);
-    path.voxels_across = static_cast<float>(at.across * M);
-    for (int axis = 1; axis < 3; ++axis) {
-      path.first_row[axis - 1] = 0;
-      path.last_row[axis - 1] = M;
-      if (!place.blended || level == place.level) continue;
-      const auto digit = static_cast<std::uint32_t>(digit_of(place, axis));
-      path.first_row[axis - 1] = digit * M / N;
-      path.last_row[axis - 1] = ((digit + 1) * M + N - 1) / N;
-    }
-    return {at.across, at.corner};
-  }
-
   const PassView<Voxel, N, M>& view_;
   const TreeWalk<Voxel, N, M> walk_;
   const bool preview_;
@@ -653,6 +576,7 @@ class TileMarcher {
   const bool blends_;  // levels
   const bool projects_;
   const Vectors vectors_;
+  const PlaceBricks<Voxel, N, M> bricks_;
   TileProjection projection_;
   const double x0_, y0_, apart_;
   const std::uint32_t edge_;

@@ -56,13 +56,13 @@ template <typename Voxel, int N, int M>
 bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, const Pass& pass,
                  exec::TileGrid grid, exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
                  exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
+  GVX_CHECK(pass.blank_tiles.size == grid.tiles());
   Turns turns(deadline);
   const TileProjection projection(view.frame, 1);
   exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
     if (!turns.all_taken()) return;
     const TilePart part(grid, tiles[t]);
-    const bool may_be_blank = pass.blank_tiles.size > 0;
-    if (may_be_blank && pass.blank_tiles[tiles[t]] == pass.epoch) return;
+    if (pass.blank_tiles[tiles[t]] == pass.epoch) return;
     const auto index_of = [&](std::uint32_t x, std::uint32_t y) { return std::size_t(y) * grid.width + x; };
     const auto index_of_ray = [&](std::uint32_t i) {
       return index_of(part.x0 + i % TileRays::kEdge, part.y0 + i / TileRays::kEdge);
@@ -96,7 +96,7 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
     if (is_new) marcher.will_put({&rays[index_of_ray(0)], grid.width, part.width, part.height});
     resuming.for_each([&](std::uint32_t i) { marcher.resume(i, rays[index_of_ray(i)]); });
     marcher.march(deadline);
-    if (is_new && may_be_blank && marcher.is_blank()) {
+    if (is_new && marcher.is_blank()) {
       pass.blank_tiles[tiles[t]] = pass.epoch;
       return exec::store_relaxed(&unfinished[tiles[t]], 0);
     }
