@@ -1,12 +1,13 @@
-# gvx_room(NAME MAY_INCLUDE <room>... [SOURCES <file>...] [DEVICE_SOURCES <file>...] [TESTS <file>...] [DEVICE_TESTS <file>...]
-#          [LIBRARIES <target>...])
+# gvx_room(NAME MAY_INCLUDE <room>... [SOURCES <file>...] [DEVICE_SOURCES <file>...] [VECTOR_SOURCES <file>...] [TESTS <file>...]
+#          [DEVICE_TESTS <file>...] [LIBRARIES <target>...])
 #
 # A room is a folder of src/gvx, a namespace and a library. MAY_INCLUDE is the house's include table: the build
 # links these rooms and no others, and tools/check_includes.py compares every #include with it.
 # DEVICE_SOURCES launch kernels: CUDA where CUDA is enabled, C++ where it is not.
+# VECTOR_SOURCES are compiled once for each instruction set (GvxVectors.cmake), into a library gvx_vectors.
 # TESTS are compiled into the one unit-test program; DEVICE_TESTS launch kernels themselves.
 function(gvx_room NAME)
-  cmake_parse_arguments(ROOM "" "" "MAY_INCLUDE;SOURCES;DEVICE_SOURCES;TESTS;DEVICE_TESTS;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ROOM "" "" "MAY_INCLUDE;SOURCES;DEVICE_SOURCES;VECTOR_SOURCES;TESTS;DEVICE_TESTS;LIBRARIES" ${ARGN})
   set(target gvx_${NAME})
   if(ROOM_SOURCES OR ROOM_DEVICE_SOURCES)
     add_library(${target} STATIC ${ROOM_SOURCES} ${ROOM_DEVICE_SOURCES})
@@ -31,9 +32,33 @@ function(gvx_room NAME)
       $<$<COMPILE_LANGUAGE:CUDA>:--extended-lambda --expt-relaxed-constexpr --fmad=false -Xcompiler=-Wall,-Wextra,-ffp-contract=off>)
     set_target_properties(${target} PROPERTIES CUDA_RESOLVE_DEVICE_SYMBOLS OFF)
   endif()
+  if(ROOM_VECTOR_SOURCES)
+    gvx_vectors(${target} "${rooms};${ROOM_LIBRARIES}" ${ROOM_VECTOR_SOURCES})
+  endif()
   list(TRANSFORM ROOM_TESTS PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
   list(TRANSFORM ROOM_DEVICE_TESTS PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
   set_property(GLOBAL APPEND PROPERTY GVX_UNIT_TESTS ${ROOM_TESTS})
   set_property(GLOBAL APPEND PROPERTY GVX_DEVICE_UNIT_TESTS ${ROOM_DEVICE_TESTS})
   set_property(GLOBAL APPEND PROPERTY GVX_ROOMS ${NAME})
+endfunction()
+
+# The vectors of a room, which is linked with them: its own library, so that builds may share it.
+function(gvx_vectors ROOM LIBRARIES)
+  if(GVX_VECTORS_LIBRARY)
+    target_link_libraries(${ROOM} PRIVATE $<BUILD_INTERFACE:${GVX_VECTORS_LIBRARY}>)
+    return()
+  endif()
+  add_library(gvx_vectors STATIC ${ARGN})
+  target_compile_options(gvx_vectors PRIVATE ${GVX_CXX_FLAGS} ${GVX_VECTOR_FLAGS})
+  if(GVX_SANITIZE STREQUAL "thread")
+    # They share nothing between threads, and an instrumented loop takes minutes to compile.
+    target_compile_options(gvx_vectors PRIVATE -fno-sanitize=thread)
+  endif()
+  target_include_directories(gvx_vectors PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  set_target_properties(gvx_vectors PROPERTIES POSITION_INDEPENDENT_CODE ON EXPORT_NAME vectors)
+  target_link_libraries(gvx_vectors PUBLIC ${LIBRARIES})
+  # They call back: a room and its vectors are one.
+  target_link_libraries(${ROOM} PUBLIC gvx_vectors)
+  target_link_libraries(gvx_vectors PUBLIC ${ROOM})
+  set_property(GLOBAL APPEND PROPERTY GVX_ROOMS vectors)
 endfunction()

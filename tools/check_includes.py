@@ -2,7 +2,8 @@
 """Compares every #include of the source with the rooms' include table.
 
 The table is what each room's CMakeLists.txt says after MAY_INCLUDE in its gvx_room() call. Everybody may use core and
-exec. Prints each wrong include and exits with 1, or says how many were right.
+exec. Prints each wrong include and exits with 1, or says how many were right. With --lone-headers it lists the
+headers that no source of their own includes first, from src on.
 """
 
 import pathlib
@@ -40,7 +41,20 @@ def includes(path):
             yield number, found.group(1)
 
 
+def lone_headers():
+    """Headers that no source of their own name includes first: nothing else shows that they compile alone."""
+    for path in sorted(ROOMS.rglob("*.h")):
+        own = [path.with_name(path.stem + ending) for ending in (".cpp", "_test.cpp")]
+        name = f'"{path.relative_to(ROOT / "src")}"'
+        firsts = (re.search(r"#\s*include\s*(\S+)", source.read_text()) for source in own if source.exists())
+        if not any(first and first.group(1) == name for first in firsts):
+            yield str(path.relative_to(ROOT / "src"))
+
+
 def main():
+    if sys.argv[1:] == ["--lone-headers"]:
+        print("\n".join(lone_headers()))
+        return 0
     table = include_table()
     wrong, right = [], 0
     for room, allowed in table.items():

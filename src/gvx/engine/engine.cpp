@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "gvx/exec/parallel.h"
+#include "gvx/render/instruction_set.h"
 
 namespace gvx::engine {
 namespace {
@@ -74,6 +75,7 @@ render::TreePlacement placement_of(const produce::TreeDescription& tree) {
 Result<std::unique_ptr<Engine>> Engine::create(const exec::Device& device,
                                                std::shared_ptr<const produce::Producer> producer,
                                                const EngineOptions& options) {
+  GVX_TRY(render::check_processor());
   GVX_TRY(check(producer->description()));
   PoolSizes sizes;
   if (options.pools) {

@@ -217,7 +217,7 @@ class RayMarcher {
   }
 
   const PassView<Voxel, N, M>& view_;
-  TreeWalk<Voxel, N, M> walk_;
+  TreeWalk<N> walk_;
   Ray ray_world_;
   Ray ray_;                  // in tree space, from the eye; t is the distance in the world
   Vec3d inverse_direction_;  // infinite where a direction is 0

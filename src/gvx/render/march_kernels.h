@@ -74,7 +74,24 @@ bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid 
   });
 }
 
+/// One ray alone, on a CPU.
+template <typename Voxel>
+void march_ray(const Pass& pass, double x, double y, RayState& state) {
+  with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
+    RayMarcher<Voxel, N, M>(view, x, y).march_exact(state);
+  });
+}
+
+template <typename Voxel>
+PreviewPixel preview_ray(const Pass& pass, double x, double y) {
+  return with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
+    return RayMarcher<Voxel, N, M>(view, x, y).march_preview();
+  });
+}
+
 #define GVX_INSTANTIATE_MARCH(PREFIX, VOXEL)                                                                \
+  PREFIX template void march_ray<VOXEL>(const Pass&, double, double, RayState&);                            \
+  PREFIX template PreviewPixel preview_ray<VOXEL>(const Pass&, double, double);                             \
   PREFIX template bool march_exact<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,                 \
                                           exec::BufferView<const std::uint32_t>, exec::Deadline,            \
                                           exec::BufferView<RayState>, exec::BufferView<std::uint32_t>);     \

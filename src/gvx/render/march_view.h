@@ -10,35 +10,44 @@
 
 namespace gvx::render {
 
+inline WalkView walk_view_of(const Pass& pass) {
+  return {pass.frame, pass.nodes, pass.tile_usage, pass.brick_usage, pass.requests, pass.number};
+}
+
+/// Calls function(std::integral_constant<int, M>) for a brick's edge.
+template <typename Function>
+decltype(auto) with_edge(std::uint32_t m, Function&& function) {
+  switch (m) {
+    case 8:
+      return function(std::integral_constant<int, 8>{});
+    case 16:
+      return function(std::integral_constant<int, 16>{});
+    default:
+      GVX_CHECK(m == 32);
+      return function(std::integral_constant<int, 32>{});
+  }
+}
+
+/// Calls function(std::integral_constant<int, N>) for the children along an axis of a node.
+template <typename Function>
+decltype(auto) with_children(std::uint32_t n, Function&& function) {
+  GVX_CHECK(n == 2 || n == 3);
+  return n == 2 ? function(std::integral_constant<int, 2>{}) : function(std::integral_constant<int, 3>{});
+}
+
 template <typename Voxel, int N, int M>
 PassView<Voxel, N, M> view_of(const Pass& pass) {
-  return {pass.frame,
-          pass.nodes,
-          {pass.bricks, brick_bytes(pass.frame.format, M), pass.frame.format.planes},
-          pass.tile_usage,
-          pass.brick_usage,
-          pass.requests,
-          pass.cells,
-          pass.number};
+  return {walk_view_of(pass), {pass.bricks, brick_bytes(pass.frame.format, M), pass.frame.format.planes}};
 }
 
 /// Calls function(PassView) for the pass's N and M.
 template <typename Voxel, typename Function>
-bool with_view(const Pass& pass, Function function) {
-  const auto with_m = [&](auto n) {
-    constexpr int N = decltype(n)::value;
-    switch (pass.m) {
-      case 8:
-        return function(view_of<Voxel, N, 8>(pass));
-      case 16:
-        return function(view_of<Voxel, N, 16>(pass));
-      default:
-        GVX_CHECK(pass.m == 32);
-        return function(view_of<Voxel, N, 32>(pass));
-    }
-  };
-  GVX_CHECK(pass.n == 2 || pass.n == 3);
-  return pass.n == 2 ? with_m(std::integral_constant<int, 2>{}) : with_m(std::integral_constant<int, 3>{});
+decltype(auto) with_view(const Pass& pass, Function function) {
+  return with_children(pass.n, [&](auto n) {
+    return with_edge(pass.m, [&](auto m) {
+      return function(view_of<Voxel, decltype(n)::value, decltype(m)::value>(pass));
+    });
+  });
 }
 
 }  // namespace gvx::render

@@ -48,9 +48,9 @@ struct QuadTexels {
             Int{_mm256_castps_si256(_mm256_shuffle_ps(outer, inner, 0xdd))}};
 #elif HWY_TARGET == HWY_AVX3
     // Both of a lane at once, which halves what is gathered.
-    constexpr int kBytes = sizeof(std::uint32_t);
-    const __m512i first = _mm512_i32gather_epi64(_mm512_castsi512_si256(index.raw), quads, kBytes);
-    const __m512i last = _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(index.raw, 1), quads, kBytes);
+    constexpr int kQuad = sizeof(std::uint32_t);
+    const __m512i first = _mm512_i32gather_epi64(_mm512_castsi512_si256(index.raw), quads, kQuad);
+    const __m512i last = _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(index.raw, 1), quads, kQuad);
     const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
     const __m512i odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));
     return {Int{_mm512_permutex2var_epi32(first, even, last)},

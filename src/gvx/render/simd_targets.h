@@ -1,18 +1,19 @@
 /// \file
 /// The instruction sets that vectors are compiled for. To be included before any of Highway, by sources that
 /// are compiled once for each. Private to this room.
+///
+/// CMake's GVX_VECTORS chooses them: the compiler's flags give the least, and where only that is wanted
+/// HWY_COMPILE_ONLY_STATIC is defined.
 #pragma once
 
 // What lies between these or has vectors without a fixed size gains nothing here.
-#define GVX_UNUSED_TARGETS \
+#define HWY_DISABLED_TARGETS \
   (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-// A compiler that instruments takes minutes for each instruction set, and far more for all in one piece.
-#define HWY_DISABLED_TARGETS (GVX_UNUSED_TARGETS | HWY_SSE4 | HWY_AVX3)
+// A compiler that instruments takes far longer for all in one piece.
 #define GVX_PIECE HWY_NOINLINE
 #define GVX_VECTORS_SIDE_BY_SIDE 1
 #else
-#define HWY_DISABLED_TARGETS GVX_UNUSED_TARGETS
 #define GVX_PIECE HWY_INLINE
 // What one vector waits for, the others fill.
 #define GVX_VECTORS_SIDE_BY_SIDE 4

@@ -43,19 +43,23 @@ struct BrickPath {
   GVX_HD Vec3f at(float i) const { return first + i * per_step; }
 };
 
-template <typename Voxel, int M>
-struct Stretch {
+/// What of a stretch is the same whatever the voxels are.
+struct StretchSteps {
   std::int64_t steps = 0;
   int level = 0;        ///< whose steps these are, and whose brick the fine one is
   double stride = 1;    ///< of a step, in ticks
   double t_centre = 0;  ///< of the first step
   double t_step = 0;
-  BrickPath<Voxel, M> fine;
-  BrickPath<Voxel, M> coarse;  ///< where blended
   bool blended = false;
   bool fine_deviates = false;        ///< the fine brick is not of the finest level
   const FrameView* noisy = nullptr;  ///< the frame, where it adds noise
   Vec3d place, place_step;           ///< then: in tree space, the first step's centre and the way of a step
+};
+
+template <typename Voxel, int M>
+struct Stretch : StretchSteps {
+  BrickPath<Voxel, M> fine;
+  BrickPath<Voxel, M> coarse;  ///< where blended
 
   /// Where noise is added, and whether that may be seen at a value.
   GVX_HD bool adds_noise_at(float value) const {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "gvx/render/stretch_batch_types.h"
+
 namespace gvx::render {
 
 void StretchBatch::put_in_order() {
@@ -34,6 +36,28 @@ void StretchBatch::put_in_order() {
     put_row(half + i, 1);
   }
   if (count % 2 != 0) put_row(count - 1, 1);
+}
+
+void composite_batch(const FrameView& frame, StretchBatch& batch) {
+  switch (frame.format.type) {
+    case VoxelType::u8:
+      return composite_batch_u8(frame, batch);
+    case VoxelType::u16:
+      return composite_batch_u16(frame, batch);
+    case VoxelType::f32:
+      return composite_batch_f32(frame, batch);
+  }
+}
+
+void composite_post_batch(const FrameView& frame, StretchBatch& batch) {
+  switch (frame.format.type) {
+    case VoxelType::u8:
+      return post_batch_u8(frame, batch);
+    case VoxelType::u16:
+      return post_batch_u16(frame, batch);
+    case VoxelType::f32:
+      return post_batch_f32(frame, batch);
+  }
 }
 
 }  // namespace gvx::render

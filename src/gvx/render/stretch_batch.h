@@ -86,9 +86,6 @@ struct StretchBatch {
   void put_in_order();
 };
 
-/// The name of the instruction set whose vectors composite_batch uses: "AVX3", "AVX2", "SSE4", "NEON"..
-const char* instruction_set();
-
 /// Adds what is seen of every ray's stretch of scalars of one channel to what it has gathered. A ray's bits
 /// do not depend on the others in the batch. (All of these put the rows in order.)
 void composite_batch(const FrameView& frame, StretchBatch& batch);

@@ -1,5 +1,5 @@
 /// \file
-/// TileMarcher: the rays of one tile, as a template over the voxel type. Private to this room.
+/// TileMarcher: the rays of one tile, whatever the voxels are. Private to this room.
 #pragma once
 
 #include <algorithm>
@@ -11,16 +11,16 @@
 #include "gvx/exec/host_memory.h"
 #include "gvx/exec/tile_grid.h"
 #include "gvx/render/gather.h"
-#include "gvx/render/march.h"
-#include "gvx/render/march_view.h"
 #include "gvx/render/place_bricks.h"
 #include "gvx/render/stretch_batch.h"
+#include "gvx/render/tile_bricks.h"
 #include "gvx/render/tile_rays.h"
+#include "gvx/render/tree_walk.h"
 #include "gvx/render/vectors.h"
 
 namespace gvx::render {
 
-/// What a tile's march works in, for whichever tree; 1.7 MB, so each thread keeps its own.
+/// What a tile's march works in, for whichever tree; some megabytes, so each thread keeps its own.
 struct Workspace {
   TileRays rays;
   StretchBatch batch;
@@ -55,28 +55,41 @@ struct TileStates {
   }
 };
 
-template <typename Voxel, int N, int M>
+/// What all tiles of a pass share.
+struct TilesView {
+  WalkView walk;
+  TileBricks bricks;
+  brick::CellMaskView cells;
+
+  explicit TilesView(const Pass& pass)
+      : walk{pass.frame, pass.nodes, pass.tile_usage, pass.brick_usage, pass.requests, pass.number},
+        bricks(pass),
+        cells(pass.cells) {}
+};
+
+template <int N>
 class TileMarcher {
  public:
   /// The rays through the pixels (x0 + i * apart, y0 + j * apart), i and j below `edge`, all at their start;
   /// `preview`: they make do with what is resident. A thread has one at a time.
-  TileMarcher(const PassView<Voxel, N, M>& view, const TileProjection& projection, double x0, double y0,
-              double apart, std::uint32_t edge, bool preview)
-      : view_(view),
-        walk_(view),
+  TileMarcher(const TilesView& tiles, const TileProjection& projection, double x0, double y0, double apart,
+              std::uint32_t edge, bool preview)
+      : view_(tiles.walk),
+        walk_(tiles.walk),
         preview_(preview),
-        zones_(view.frame.fixed_blend < 0 && view.frame.lod_distance[0] < 1e300),
-        blends_(view.frame.format.content != VoxelContent::labels),
-        projects_(render::projects(view.frame)),
-        vectors_(vectors_for(view.frame)),
-        bricks_(view, vectors_),
+        zones_(view_.frame.fixed_blend < 0 && view_.frame.lod_distance[0] < 1e300),
+        blends_(view_.frame.format.content != VoxelContent::labels),
+        projects_(render::projects(view_.frame)),
+        vectors_(vectors_for(view_.frame)),
+        bricks_(tiles.bricks),
+        place_bricks_(view_.frame, tiles.bricks, tiles.cells, vectors_),
         projection_(projection),
         x0_(x0),
         y0_(y0),
         apart_(apart),
         edge_(edge),
         work_(this_threads_workspace()) {
-    const FrameView& frame = view.frame;
+    const FrameView& frame = view_.frame;
     active_ = ActiveRays::all_of(edge, edge);
     projection_.begin_tile(x0, y0);
     if (frame.camera.orthographic) {
@@ -201,7 +214,7 @@ class TileMarcher {
     leave_out_all_but(wanted);
     left_ = active_.count();
     StretchBatch& batch = work_.batch;
-    batch.m = M;
+    batch.m = bricks_.m();
     batch.to_eye = rays.to_eye;
     batch.gathered = rays.gathered;
     batch.samples = rays.samples;
@@ -388,7 +401,7 @@ class TileMarcher {
         wanted.coarser ? view_.frame.stride[shown.brick_level] : view_.frame.stride_of(level, blended);
     work_.batch.blended = false;
     const bool is_brick = shown.kind == Place::brick && !stops;
-    const bool seen = is_brick && bricks_.prepare(shown, level, wanted, work_.batch);
+    const bool seen = is_brick && place_bricks_.prepare(shown, level, wanted, work_.batch);
     // Cells that cannot be seen are nobody's business, unless rays are counted or have passed them.
     if (is_brick && !seen && !preview_ && !resumed_) return walk_.touch_bricks(shown);
     set_out();
@@ -430,18 +443,18 @@ class TileMarcher {
     const FrameView& frame = view_.frame;
     const StretchBatch& batch = work_.batch;
     const auto voxels_across = [&](int of_level) {
-      return static_cast<float>(BrickCorner<N>(frame, place, of_level).across * M);
+      return static_cast<float>(BrickCorner<N>(frame, place, of_level).across * bricks_.m());
     };
-    Stretch<Voxel, M> s;
+    BytesStretch s;
     s.level = wanted.step_level;
     s.stride = wanted.stride;
     s.t_step = frame.tick_world * wanted.stride;
-    s.fine.brick = view_.bricks.brick(place.slot);
+    s.fine.brick = bricks_.at(place.slot);
     s.fine.voxels_across = voxels_across(place.brick_level);
     s.fine_deviates = place.brick_level < frame.max_level && place.brick_level == level;
     s.blended = place.blended;
     if (s.blended) {
-      s.coarse.brick = view_.bricks.brick(place.parent_slot);
+      s.coarse.brick = bricks_.at(place.parent_slot);
       s.coarse.voxels_across = voxels_across(place.level - 1);
     }
     for (std::uint32_t i = 0; i < batch.count; ++i) {
@@ -459,12 +472,12 @@ class TileMarcher {
       }
       RayState state = state_of(ray);
       state.phase = RayPhase::under_way;
-      gather_stretch(ray_view(ray), s, state);
+      bricks_.gather_stretch(ray_view(ray), s, state);
       put(ray, state);
       if (state.phase == RayPhase::finished) retire(ray);
     }
   }
-  static void put_path(const float (&row)[8], BrickPath<Voxel, M>& path) {
+  static void put_path(const float (&row)[8], BytesPath& path) {
     path.first = {row[0], row[1], row[2]};
     path.per_step = {row[4], row[5], row[6]};
   }
@@ -569,14 +582,15 @@ class TileMarcher {
     work_.rays.samples[ray] = static_cast<std::int32_t>(state.samples);
   }
 
-  const PassView<Voxel, N, M>& view_;
-  const TreeWalk<Voxel, N, M> walk_;
+  const WalkView& view_;
+  const TreeWalk<N> walk_;
   const bool preview_;
   const bool zones_;   // there are several along a ray
   const bool blends_;  // levels
   const bool projects_;
   const Vectors vectors_;
-  const PlaceBricks<Voxel, N, M> bricks_;
+  const TileBricks& bricks_;
+  const PlaceBricks<N> place_bricks_;
   TileProjection projection_;
   const double x0_, y0_, apart_;
   const std::uint32_t edge_;

@@ -1,6 +1,5 @@
 /// \file
-/// The passes of tile_march.h over all tiles, as templates over the voxel type; each tile_march_*.cpp
-/// instantiates one type. Private to this room.
+/// The passes of tile_march.h over all tiles, as templates over N. Private to this room.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +7,6 @@
 #include <cstdint>
 
 #include "gvx/exec/parallel.h"
-#include "gvx/render/march.h"
 #include "gvx/render/tile_marcher.h"
 
 namespace gvx::render {
@@ -52,13 +50,14 @@ class Turns {
   std::atomic<bool> some_began_{false}, all_taken_{true};
 };
 
-template <typename Voxel, int N, int M>
-bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, const Pass& pass,
-                 exec::TileGrid grid, exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
+template <int N>
+bool march_tiles(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
+                 exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
                  exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
   GVX_CHECK(pass.blank_tiles.size == grid.tiles());
   Turns turns(deadline);
-  const TileProjection projection(view.frame, 1);
+  const TilesView view(pass);
+  const TileProjection projection(pass.frame, 1);
   exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
     if (!turns.all_taken()) return;
     const TilePart part(grid, tiles[t]);
@@ -91,7 +90,7 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
     if (all_finished) return;
     exec::store_relaxed(&unfinished[tiles[t]], 1);
     if (marching.count() == 0 || !turns.take()) return;
-    TileMarcher<Voxel, N, M> marcher(view, projection, part.x0, part.y0, 1, grid.tile, false);
+    TileMarcher<N> marcher(view, projection, part.x0, part.y0, 1, grid.tile, false);
     marcher.leave_out_all_but(marching);
     if (is_new) marcher.will_put({&rays[index_of_ray(0)], grid.width, part.width, part.height});
     resuming.for_each([&](std::uint32_t i) { marcher.resume(i, rays[index_of_ray(i)]); });
@@ -112,13 +111,13 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
       done(ray);
     });
     // Apart: beside a march a compiler makes the loop above a slow one.
-    if (projects(view.frame)) {
+    if (projects(pass.frame)) {
       marching.for_each([&](std::uint32_t i) {
         if (!marcher.is_stub(i)) return;
         RayState& ray = rays[index_of_ray(i)];
         if (ray.epoch != pass.epoch) ray = RayState{};
         const std::uint32_t x = part.x0 + i % TileRays::kEdge, y = part.y0 + i / TileRays::kEdge;
-        RayMarcher<Voxel, N, M>(view, x, y).march_exact(ray);
+        march_ray(pass, x, y, ray);
         done(ray);
       });
     }
@@ -127,19 +126,20 @@ bool march_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, con
   return turns.all_taken();
 }
 
-template <typename Voxel, int N, int M>
-bool preview_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, const Pass& pass,
-                   exec::TileGrid grid, exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                   std::uint32_t block, std::uint32_t generation, exec::BufferView<const RayState> rays,
+template <int N>
+bool preview_tiles(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
+                   exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
+                   std::uint32_t generation, exec::BufferView<const RayState> rays,
                    exec::BufferView<PreviewPixel> pixels) {
   Turns turns(deadline);
-  const TileProjection projection(view.frame, double(block));
-  const exec::TileGrid film{view.frame.width, view.frame.height};
+  const TilesView view(pass);
+  const TileProjection projection(pass.frame, double(block));
+  const exec::TileGrid film{pass.frame.width, pass.frame.height};
   exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
     if (!turns.all_taken()) return;
     const TilePart part(grid, tiles[t]);
     const auto index_of = [&](std::uint32_t x, std::uint32_t y) {
-      return std::size_t(y) * block * view.frame.width + std::size_t(x) * block;
+      return std::size_t(y) * block * pass.frame.width + std::size_t(x) * block;
     };
     const auto is_drawn = [&](std::uint32_t x, std::uint32_t y) {
       const bool may_be_blank = pass.blank_tiles.size > 0;
@@ -153,8 +153,8 @@ bool preview_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, c
       if (!is_drawn(x, y)) missing.set(i);
     });
     if (missing.count() == 0 || !turns.take()) return;
-    TileMarcher<Voxel, N, M> marcher(view, projection, double(part.x0) * block, double(part.y0) * block,
-                                     double(block), grid.tile, true);
+    TileMarcher<N> marcher(view, projection, double(part.x0) * block, double(part.y0) * block, double(block),
+                           grid.tile, true);
     marcher.leave_out_all_but(missing);
     // A preview's ray cannot stop half way.
     marcher.march(exec::no_deadline());
@@ -162,7 +162,7 @@ bool preview_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, c
       const std::uint32_t x = part.x0 + i % TileRays::kEdge, y = part.y0 + i / TileRays::kEdge;
       PreviewPixel& pixel = pixels[index_of(x, y)];
       if (marcher.is_stub(i)) {
-        pixel = RayMarcher<Voxel, N, M>(view, double(x) * block, double(y) * block).march_preview();
+        pixel = preview_ray(pass, double(x) * block, double(y) * block);
       } else {
         pixel = marcher.pixel(i);
       }
@@ -172,34 +172,5 @@ bool preview_tiles(const exec::Device& cpu, const PassView<Voxel, N, M>& view, c
   });
   return turns.all_taken();
 }
-
-/// march_tiles for the pass's N and M.
-template <typename Voxel>
-bool march_tiles_of(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
-                    exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                    exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
-  return with_view<Voxel>(pass, [&](const auto& view) {
-    return march_tiles(cpu, view, pass, grid, tiles, deadline, rays, unfinished);
-  });
-}
-
-template <typename Voxel>
-bool preview_tiles_of(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
-                      exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                      std::uint32_t block, std::uint32_t generation, exec::BufferView<const RayState> rays,
-                      exec::BufferView<PreviewPixel> pixels) {
-  return with_view<Voxel>(pass, [&](const auto& view) {
-    return preview_tiles(cpu, view, pass, grid, tiles, deadline, block, generation, rays, pixels);
-  });
-}
-
-#define GVX_INSTANTIATE_TILE_MARCH(PREFIX, VOXEL)                                                          \
-  PREFIX template bool march_tiles_of<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,             \
-                                             exec::BufferView<const std::uint32_t>, exec::Deadline,        \
-                                             exec::BufferView<RayState>, exec::BufferView<std::uint32_t>); \
-  PREFIX template bool preview_tiles_of<VOXEL>(                                                            \
-      const exec::Device&, const Pass&, exec::TileGrid, exec::BufferView<const std::uint32_t>,             \
-      exec::Deadline, std::uint32_t, std::uint32_t, exec::BufferView<const RayState>,                      \
-      exec::BufferView<PreviewPixel>);
 
 }  // namespace gvx::render

@@ -6,7 +6,6 @@
 #include <cstdint>
 
 #include "gvx/brick/brick_pool.h"
-#include "gvx/brick/cell_masks.h"
 #include "gvx/cache/request_marks.h"
 #include "gvx/cache/usage_list.h"
 #include "gvx/render/frame.h"
@@ -14,16 +13,19 @@
 
 namespace gvx::render {
 
-/// Everything a pass works on, apart from its rays.
-template <typename Voxel, int N, int M>
-struct PassView {
+/// What walks of a pass work on: the tree, whatever its voxels are.
+struct WalkView {
   FrameView frame;
   tree::NodePoolView nodes;
-  brick::BrickPoolView<Voxel, M> bricks;
   cache::UsageView tile_usage, brick_usage;
   cache::RequestView requests;
-  brick::CellMaskView cells;
   std::uint32_t pass = 0;
+};
+
+/// Everything a pass of one voxel type, N and M works on, apart from its rays.
+template <typename Voxel, int N, int M>
+struct PassView : WalkView {
+  brick::BrickPoolView<Voxel, M> bricks;
 };
 
 /// Where a walk ended.
@@ -100,10 +102,10 @@ class PathDown {
   Vec3d later_;
 };
 
-template <typename Voxel, int N, int M>
+template <int N>
 class TreeWalk {
  public:
-  GVX_HD explicit TreeWalk(const PassView<Voxel, N, M>& view) : view_(view) {}
+  GVX_HD explicit TreeWalk(const WalkView& view) : view_(view) {}
 
   /// To the node of `level` at this cell, or as far towards it as there is anything to see; with its parent
   /// where levels are `blended`. `outdone(node)` says that nothing below a node matters.
@@ -204,7 +206,7 @@ class TreeWalk {
   }
 
  private:
-  const PassView<Voxel, N, M>& view_;
+  const WalkView& view_;
 };
 
 /// Where a brick of `level` that holds a place's node lies in tree space: `across` bricks along an axis, its

@@ -1,22 +1,25 @@
-// composite_batch: composite.h once more, with a ray in each lane of a vector. What is said there holds here;
-// the same names mean the same. Rays take plain steps side by side; those that come to a step that must be
-// cut wait, are put side by side anew, and go on. Compiled once for each instruction set.
+/// \file
+/// composite_batch: composite.h once more, with a ray in each lane of a vector. What is said there holds
+/// here; the same names mean the same. Rays take plain steps side by side; those that come to a step that
+/// must be cut wait, are put side by side anew, and go on. Compiled once for each instruction set, a source a
+/// voxel type (composite_u8_simd.cpp and its kin).
+
+// Passed as often as there are instruction sets, so no #pragma once.
+#if defined(GVX_RENDER_COMPOSITE_SIMD_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef GVX_RENDER_COMPOSITE_SIMD_INL_H
+#undef GVX_RENDER_COMPOSITE_SIMD_INL_H
+#else
+#define GVX_RENDER_COMPOSITE_SIMD_INL_H
+#endif
 
 #include <type_traits>
 
-#include "gvx/render/composite.h"
-#include "gvx/render/simd_targets.h"
-#include "gvx/render/stretch_batch.h"
-
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "gvx/render/composite_simd.cpp"
-// The order matters.
-// clang-format off
-#include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+
+#include "gvx/render/composite.h"
 #include "gvx/render/composite_rays_simd-inl.h"
+#include "gvx/render/stretch_batch.h"
 #include "gvx/render/visible_steps_simd-inl.h"
-// clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
@@ -296,45 +299,7 @@ void composite_all(const FrameView& frame, StretchBatch& batch) {
 }
 
 }  // namespace
-
-const char* name_of_set() {
-  return hwy::TargetName(HWY_TARGET);
-}
-void composite_u8(const FrameView& frame, StretchBatch& batch) {
-  composite_all<std::uint8_t>(frame, batch);
-}
-void composite_u16(const FrameView& frame, StretchBatch& batch) {
-  composite_all<std::uint16_t>(frame, batch);
-}
-void composite_f32(const FrameView& frame, StretchBatch& batch) {
-  composite_all<float>(frame, batch);
-}
-
 }  // namespace gvx::render::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#if HWY_ONCE
-namespace gvx::render {
-
-HWY_EXPORT(name_of_set);
-HWY_EXPORT(composite_u8);
-HWY_EXPORT(composite_u16);
-HWY_EXPORT(composite_f32);
-
-const char* instruction_set() {
-  return HWY_DYNAMIC_DISPATCH(name_of_set)();
-}
-
-void composite_batch(const FrameView& frame, StretchBatch& batch) {
-  switch (frame.format.type) {
-    case VoxelType::u8:
-      return HWY_DYNAMIC_DISPATCH(composite_u8)(frame, batch);
-    case VoxelType::u16:
-      return HWY_DYNAMIC_DISPATCH(composite_u16)(frame, batch);
-    case VoxelType::f32:
-      return HWY_DYNAMIC_DISPATCH(composite_f32)(frame, batch);
-  }
-}
-
-}  // namespace gvx::render
 #endif

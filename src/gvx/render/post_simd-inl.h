@@ -1,22 +1,25 @@
-// composite_post_batch: post_classified.h once more, with a ray in each lane of a vector. All lanes step side
-// by side: no address waits for what was gathered. Compiled once for each instruction set.
+/// \file
+/// composite_post_batch: post_classified.h once more, with a ray in each lane of a vector. All lanes step
+/// side by side: no address waits for what was gathered. Compiled once for each instruction set, a source a
+/// voxel type (post_u8_simd.cpp and its kin).
+
+// Passed as often as there are instruction sets, so no #pragma once.
+#if defined(GVX_RENDER_POST_SIMD_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef GVX_RENDER_POST_SIMD_INL_H
+#undef GVX_RENDER_POST_SIMD_INL_H
+#else
+#define GVX_RENDER_POST_SIMD_INL_H
+#endif
 
 #include <type_traits>
 
-#include "gvx/render/simd_targets.h"
-#include "gvx/render/stretch.h"
-#include "gvx/render/stretch_batch.h"
-
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "gvx/render/post_simd.cpp"
-// The order matters.
-// clang-format off
-#include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+
 #include "gvx/render/each_step_simd-inl.h"
 #include "gvx/render/quads_simd-inl.h"
+#include "gvx/render/stretch.h"
+#include "gvx/render/stretch_batch.h"
 #include "gvx/render/visible_steps_simd-inl.h"
-// clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
@@ -379,44 +382,14 @@ class Classified {
   const int edge_;
 };
 
-}  // namespace
-
 template <typename Voxel>
-void post(const FrameView& frame, StretchBatch& batch) {
+void post_all(const FrameView& frame, StretchBatch& batch) {
   if (frame.step_colors == nullptr) return composite_each_step<Classified<Voxel>>(frame, batch);
   post_of<Voxel>(frame, batch);
 }
 
-void post_u8(const FrameView& frame, StretchBatch& batch) {
-  post<std::uint8_t>(frame, batch);
-}
-void post_u16(const FrameView& frame, StretchBatch& batch) {
-  post<std::uint16_t>(frame, batch);
-}
-void post_f32(const FrameView& frame, StretchBatch& batch) {
-  post<float>(frame, batch);
-}
-
+}  // namespace
 }  // namespace gvx::render::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#if HWY_ONCE
-namespace gvx::render {
-
-HWY_EXPORT(post_u8);
-HWY_EXPORT(post_u16);
-HWY_EXPORT(post_f32);
-
-void composite_post_batch(const FrameView& frame, StretchBatch& batch) {
-  switch (frame.format.type) {
-    case VoxelType::u8:
-      return HWY_DYNAMIC_DISPATCH(post_u8)(frame, batch);
-    case VoxelType::u16:
-      return HWY_DYNAMIC_DISPATCH(post_u16)(frame, batch);
-    case VoxelType::f32:
-      return HWY_DYNAMIC_DISPATCH(post_f32)(frame, batch);
-  }
-}
-
-}  // namespace gvx::render
 #endif

@@ -1,0 +1,75 @@
+#include "gvx/render/tile_bricks.h"
+
+#include "gvx/render/gather.h"
+#include "gvx/render/march_kernels.h"
+#include "gvx/render/march_view.h"
+#include "gvx/render/visible_cells.h"
+
+namespace gvx::render {
+namespace kernels {
+
+GVX_INSTANTIATE_MARCH(extern, std::uint8_t)
+GVX_INSTANTIATE_MARCH(extern, std::uint16_t)
+GVX_INSTANTIATE_MARCH(extern, float)
+
+}  // namespace kernels
+namespace {
+
+template <typename Voxel, int M>
+BrickPath<Voxel, M> path_of(const BytesPath& path, std::uint32_t planes) {
+  return {
+      {reinterpret_cast<const Voxel*>(path.brick), planes}, path.first, path.per_step, path.voxels_across};
+}
+
+}  // namespace
+
+TileBricks::TileBricks(const Pass& pass)
+    : bytes_(pass.bricks),
+      brick_bytes_(brick_bytes(pass.frame.format, pass.m)),
+      plane_bytes_(plane_texels(pass.m) * voxel_bytes(pass.frame.format.type)),
+      m_(pass.m) {}
+
+std::uint64_t TileBricks::visible_cells(const FrameView& frame, BrickIndex slot, int level) const {
+  const scene::TransferView& function = frame.visibility.functions[0];
+  // A pre-integrated step may go from one cell to another, and through all that is between their values.
+  const bool post = frame.classification == scene::Classification::post;
+  const auto hides = [&](ValueRange values, float deviation) {
+    return post ? function.transparent(values) : function.below_visible(values, deviation);
+  };
+  return with_voxel_type(frame.format.type, [&](auto zero) {
+    return with_edge(m_, [&](auto m) {
+      constexpr int kM = decltype(m)::value;
+      const brick::BrickView<decltype(zero), kM> brick{reinterpret_cast<const decltype(zero)*>(at(slot)),
+                                                       frame.format.planes};
+      const bool deviates = !post && level != frame.max_level;
+      return render::visible_cells<kM>(brick.voxels, deviates ? brick.deviations(0) : nullptr, hides);
+    });
+  });
+}
+
+void TileBricks::gather_stretch(const RayView& ray, const BytesStretch& stretch, RayState& state) const {
+  const VoxelFormat format = ray.frame.format;
+  with_voxel_type(format.type, [&](auto zero) {
+    with_edge(m_, [&](auto m) {
+      using Voxel = decltype(zero);
+      constexpr int kM = decltype(m)::value;
+      Stretch<Voxel, kM> s;
+      static_cast<StretchSteps&>(s) = stretch;
+      s.fine = path_of<Voxel, kM>(stretch.fine, format.planes);
+      if (s.blended) s.coarse = path_of<Voxel, kM>(stretch.coarse, format.planes);
+      render::gather_stretch(ray, s, state);
+    });
+  });
+}
+
+void march_ray(const Pass& pass, double x, double y, RayState& state) {
+  with_voxel_type(pass.frame.format.type,
+                  [&](auto zero) { kernels::march_ray<decltype(zero)>(pass, x, y, state); });
+}
+
+PreviewPixel preview_ray(const Pass& pass, double x, double y) {
+  return with_voxel_type(pass.frame.format.type,
+                         [&](auto zero) { return kernels::preview_ray<decltype(zero)>(pass, x, y); });
+}
+
+}  // namespace gvx::render

@@ -1,0 +1,55 @@
+/// \file
+/// TileBricks: the bricks that a tile's march goes through, as bytes; what must know the type of their voxels
+/// and their edge is out of line. So the march of tiles is compiled once for all voxels. Private to this
+/// room.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "gvx/core/index.h"
+#include "gvx/render/march_pass.h"
+#include "gvx/render/ray_state.h"
+#include "gvx/render/stretch.h"
+
+namespace gvx::render {
+
+/// Where steps are in a brick of any type: as BrickPath says.
+struct BytesPath {
+  const std::byte* brick = nullptr;
+  Vec3f first, per_step;
+  float voxels_across = 0;
+};
+
+/// As Stretch, through bricks of any type.
+struct BytesStretch : StretchSteps {
+  BytesPath fine, coarse;
+};
+
+class TileBricks {
+ public:
+  explicit TileBricks(const Pass& pass);
+
+  std::uint32_t m() const { return m_; }
+  const std::byte* at(BrickIndex slot) const { return bytes_ + slot.value * brick_bytes_; }
+  /// Bytes of the first plane, with its border.
+  std::size_t plane_bytes() const { return plane_bytes_; }
+
+  /// Which cells of a brick of `level` can be seen (visible_cells.h).
+  std::uint64_t visible_cells(const FrameView& frame, BrickIndex slot, int level) const;
+
+  /// What one ray gathers (gather.h).
+  void gather_stretch(const RayView& ray, const BytesStretch& stretch, RayState& state) const;
+
+ private:
+  const std::byte* bytes_;
+  std::size_t brick_bytes_, plane_bytes_;
+  std::uint32_t m_;
+};
+
+/// Ray (x, y) marches by itself, as march.h says; on a CPU.
+void march_ray(const Pass& pass, double x, double y, RayState& state);
+/// And draws its preview.
+PreviewPixel preview_ray(const Pass& pass, double x, double y);
+
+}  // namespace gvx::render
