@@ -77,6 +77,7 @@ Result<std::unique_ptr<Engine>> Engine::create(const exec::Device& device,
                                                const EngineOptions& options) {
   GVX_TRY(render::check_processor());
   GVX_TRY(check(producer->description()));
+  GVX_TRY(render::check_kernels(device, producer->description().format.type));
   PoolSizes sizes;
   if (options.pools) {
     sizes = *options.pools;

@@ -1,5 +1,7 @@
 #include "gvx/render/march_pass.h"
 
+#include <string>
+
 #include "gvx/render/march_kernels.h"
 #include "gvx/render/tile_march.h"
 
@@ -11,6 +13,24 @@ GVX_INSTANTIATE_MARCH(extern, std::uint16_t)
 GVX_INSTANTIATE_MARCH(extern, float)
 
 }  // namespace kernels
+
+Status check_kernels(const exec::Device& device, VoxelType type) {
+  if (device.kind() == exec::DeviceKind::cpu) return {};
+  // A type for which there are none was compiled for the CPU alone.
+  bool there = false;
+#if defined(GVX_CUDA_u8)
+  there = there || type == VoxelType::u8;
+#endif
+#if defined(GVX_CUDA_u16)
+  there = there || type == VoxelType::u16;
+#endif
+#if defined(GVX_CUDA_f32)
+  there = there || type == VoxelType::f32;
+#endif
+  if (there) return {};
+  return Error{std::string("this gvx was built without CUDA kernels for voxels of ") + voxel_name(type) +
+               "; build it with that type in GVX_CUDA_VOXELS"};
+}
 
 bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
                  exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,

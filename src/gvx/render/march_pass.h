@@ -9,6 +9,7 @@
 #include "gvx/brick/cell_masks.h"
 #include "gvx/cache/request_marks.h"
 #include "gvx/cache/usage_list.h"
+#include "gvx/core/result.h"
 #include "gvx/core/voxel.h"
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
@@ -39,6 +40,9 @@ struct Pass {
   /// On a CPU: never many rays in vectors, where there is a choice.
   bool one_ray_at_a_time = false;
 };
+
+/// An error where this build has no kernels for such voxels on the device.
+Status check_kernels(const exec::Device& device, VoxelType type);
 
 /// Marches the exact rays of the listed tiles; sets unfinished[tile] = 1 where a ray of the tile is not
 /// finished. `unfinished` has an entry per tile of the grid. Returns whether no tile was
