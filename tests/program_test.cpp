@@ -10,72 +10,18 @@
 #include <nlohmann/json.hpp>
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include "gvx/io/image.h"
+#include "program_support.h"
 
 namespace gvx {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Outcome {
-  int status = 0;
-  std::string output;  // both streams
-};
-
-/// Runs a shell command; a signal is status 128 + its number.
-Outcome shell(const std::string& command) {
-  Outcome outcome;
-  FILE* pipe = popen(("{ " + command + " ; } 2>&1").c_str(), "r");
-  GVX_CHECK(pipe != nullptr);
-  std::array<char, 4096> buffer;
-  while (const std::size_t got = fread(buffer.data(), 1, buffer.size(), pipe))
-    outcome.output.append(buffer.data(), got);
-  const int status = pclose(pipe);
-  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return outcome;
-}
-
-class Program : public testing::Test {
+class Program : public ProgramTest {
  protected:
-  void SetUp() override {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  Outcome gvx(const std::string& arguments) const {
-    return shell("cd '" + folder_ + "' && timeout 120 " GVX_PROGRAM " " + arguments);
-  }
-  /// Runs it and expects one line of error with this in it, and the exit status.
-  void expect_error(const std::string& arguments, const std::string& part, int status = 1) const {
-    const Outcome outcome = gvx(arguments);
-    EXPECT_EQ(outcome.status, status) << arguments << "\n" << outcome.output;
-    EXPECT_NE(outcome.output.find(part), std::string::npos) << arguments << "\n" << outcome.output;
-    EXPECT_EQ(outcome.output.rfind("gvx: ", 0), 0u) << outcome.output;
-    EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
-  }
-  std::string path(const std::string& name) const { return folder_ + "/" + name; }
-  /// A raw ball of 40 x 36 x 30 u8 voxels.
-  std::string write_ball(const std::string& name = "ball_40x36x30_uint8.raw") const {
-    std::ofstream file(path(name), std::ios::binary);
-    for (int z = 0; z < 30; ++z) {
-      for (int y = 0; y < 36; ++y) {
-        for (int x = 0; x < 40; ++x) {
-          const double r = std::hypot(std::hypot(x - 19.5, y - 17.5), z - 14.5);
-          file.put(static_cast<char>(std::max(0.0, 250 - 16 * r)));
-        }
-      }
-    }
-    return name;
-  }
-  nlohmann::json read_json(const std::string& name) const {
-    std::ifstream file(path(name));
-    return nlohmann::json::parse(file);
-  }
-
-  std::string folder_ = testing::TempDir() + "gvx_program";
+  Program() : ProgramTest("gvx_program") {}
 };
 
 TEST_F(Program, explains_itself) {
@@ -247,7 +193,7 @@ TEST_F(Program, the_picture_does_not_depend_on_memory_or_threads) {
   // A head CT where Debian's package is there, a ball otherwise.
   write_ball();
   std::string input = "ball_40x36x30_uint8.raw";
-  if (shell(GVX_FETCH_HEAD " '" + folder_ + "'").status == 0) input = "head.nhdr";
+  if (shell(GVX_FETCH_HEAD " '" + folder() + "'").status == 0) input = "head.nhdr";
   ASSERT_EQ(gvx("build " + input + " -o v.gvx").status, 0);
   ASSERT_EQ(gvx("render v.gvx -o first.png --size 400x300").status, 0);
   for (const char* memory : {"4M", "32M", "1G"}) {
@@ -475,7 +421,7 @@ TEST_F(Program, a_build_that_is_killed_leaves_no_store_and_the_next_one_works) {
   // A pipe that stays open in the middle of the volume: the build waits for the rest when it is killed.
   const std::string flags = "build - -o killed.gvx --dims 512,512,400 --dtype u8";
   const Outcome killed =
-      shell("cd '" + folder_ +
+      shell("cd '" + folder() +
             "' && { head -c 20000000 /dev/zero; sleep 3; } | timeout -s KILL 1.5 " GVX_PROGRAM " " + flags +
             "; true");
   EXPECT_EQ(killed.output.find("voxels"), std::string::npos);
@@ -483,7 +429,7 @@ TEST_F(Program, a_build_that_is_killed_leaves_no_store_and_the_next_one_works) {
   EXPECT_FALSE(fs::exists(path("killed.gvx")));
   EXPECT_EQ(gvx("verify killed.gvx.partial").status, 1);
   const Outcome outcome =
-      shell("cd '" + folder_ + "' && head -c 104857600 /dev/zero | " GVX_PROGRAM " " + flags);
+      shell("cd '" + folder() + "' && head -c 104857600 /dev/zero | " GVX_PROGRAM " " + flags);
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   EXPECT_EQ(gvx("verify killed.gvx").status, 0);
   EXPECT_FALSE(fs::exists(path("killed.gvx.partial")));

@@ -6,14 +6,18 @@
 #include <memory>
 #include <vector>
 
+#include "build_report.h"
 #include "commands.h"
 #include "gvx/io/channel_merger.h"
 #include "gvx/io/mesh.h"
 #include "gvx/io/store_build.h"
 #include "gvx/io/volume_reader.h"
 #include "mesh_build.h"
+#include "messages.h"
 #include "open_scene.h"
+#include "outputs.h"
 #include "progress.h"
+#include "scene_inputs.h"
 #include "units.h"
 
 namespace gvx::app {
@@ -29,7 +33,7 @@ struct Options {
 };
 
 void print_built(const std::string& path, Vec3i d, std::uint64_t bytes) {
-  std::printf("%s: %lld x %lld x %lld voxels, %s\n", path.c_str(), static_cast<long long>(d.x),
+  std::printf("%s: %lld x %lld x %lld voxels, %s\n", one_line(path).c_str(), static_cast<long long>(d.x),
               static_cast<long long>(d.y), static_cast<long long>(d.z), bytes_text(bytes).c_str());
 }
 
@@ -62,9 +66,28 @@ Result<std::unique_ptr<io::SliceReader>> open_channels(const std::vector<std::st
   return merged;
 }
 
-Status build(const Options& o) {
-  if (!o.force && std::filesystem::exists(o.output))
+Status check_output(const Options& o, const io::RawOptions& raw) {
+  const Output output{"-o", o.output};
+  GVX_TRY(check_outputs({&output, 1}, [&] {
+    std::vector<std::string> files;
+    for (const std::string& input : o.inputs) {
+      const std::vector<std::string> parts = files_of(input, raw);
+      files.insert(files.end(), parts.begin(), parts.end());
+    }
+    return files;
+  }));
+  if (!o.output.ends_with(".gvx")) return Error{"-o " + o.output + ": a store's name must end in .gvx"};
+  GVX_TRY(check_is_file(output));
+  std::error_code error;
+  if (!o.force && std::filesystem::exists(o.output, error)) {
     return Error{o.output + ": is there already (--force replaces it)"};
+  }
+  return {};
+}
+
+Status build(const Options& o) {
+  GVX_ASSIGN(const io::RawOptions raw, o.raw.parse());
+  GVX_TRY(check_output(o, raw));
   const std::map<std::string, store::Codec> codecs = {
       {"zstd", store::Codec::zstd}, {"lz4", store::Codec::lz4}, {"none", store::Codec::none}};
   const std::map<std::string, VoxelType> types = {
@@ -74,10 +97,9 @@ Status build(const Options& o) {
   options.m = static_cast<std::uint32_t>(o.brick);
   options.codec = codecs.at(o.codec);
   if (!o.type.empty()) options.type = types.at(o.type);
-  GVX_ASSIGN(options.memory_bytes, parse_bytes(o.memory));
+  GVX_ASSIGN(options.memory_bytes, in_flag("--memory", parse_bytes(o.memory)));
   if (io::is_mesh_name(o.inputs.front())) return build_from_mesh(o, options);
   if (o.mesh.given()) return Error{o.inputs.front() + ": --resolution and --fill are for meshes"};
-  GVX_ASSIGN(const io::RawOptions raw, o.raw.parse());
   options.labels = o.labels;
   GVX_ASSIGN(const auto volume, open_channels(o.inputs, raw));
   io::StoreBuildReport report;
@@ -88,14 +110,7 @@ Status build(const Options& o) {
                                [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
   }
   print_built(o.output, volume->description().dimensions, report.bytes_written);
-  if (report.not_finite > 0) {
-    std::fprintf(stderr, "gvx: %s: %llu samples are not finite numbers; they are stored as 0\n",
-                 o.inputs.front().c_str(), static_cast<unsigned long long>(report.not_finite));
-  }
-  if (report.rounded) {
-    std::fprintf(stderr, "gvx: %s: %s samples are stored as f32, to 24 bits\n", o.inputs.front().c_str(),
-                 io::sample_name(volume->description().type));
-  }
+  warn_of_build(o.inputs.front(), volume->description(), report);
   return {};
 }
 
@@ -111,7 +126,7 @@ Command add_build(CLI::App& program) {
                    "shape become the channels of one volume")
       ->required()
       ->expected(1, 4);
-  command->add_option("-o,--output", options->output, "The store to write")->required();
+  command->add_option("-o,--output", options->output, "The store to write, .gvx")->required();
   command->add_option("--brick", options->brick, "Voxels along an edge of a brick")
       ->check(CLI::IsMember({8, 16, 32}))
       ->capture_default_str();

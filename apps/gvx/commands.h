@@ -4,12 +4,22 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <string>
 
 #include "gvx/core/result.h"
 
 namespace gvx::app {
 
 using Command = std::function<Status()>;
+
+/// For flags that say something if they are there.
+inline CLI::Validator not_empty() {
+  return CLI::Validator(
+      [](std::string& text) {
+        return text.empty() ? std::string("expected a text, found nothing") : std::string();
+      },
+      "");
+}
 
 /// gvx info PATH
 Command add_info(CLI::App& program);

@@ -9,6 +9,7 @@
 #include "gvx/io/volume_reader.h"
 #include "gvx/produce/mesh_spool.h"
 #include "gvx/store/store_reader.h"
+#include "messages.h"
 #include "open_scene.h"
 #include "units.h"
 
@@ -97,7 +98,7 @@ std::string joined(const nlohmann::json& list, const char* separator) {
 }
 
 void print(const std::string& path, const nlohmann::json& j) {
-  std::printf("%s\n", path.c_str());
+  std::printf("%s\n", one_line(path).c_str());
   const auto row = [](const char* name, const std::string& value) {
     std::printf("  %-12s %s\n", name, value.c_str());
   };

@@ -34,8 +34,10 @@ MeshFlags::Fill MeshFlags::fill() const {
 
 Result<produce::MeshStoreReport> build_mesh(const exec::Device& cpu, const std::string& path,
                                             const std::string& output, produce::MeshStoreOptions options,
-                                            MeshFlags::Fill fill, const std::string& title) {
-  const std::filesystem::path folder = std::filesystem::path(output).parent_path();
+                                            MeshFlags::Fill fill, const std::string& title,
+                                            const std::string& scratch_folder) {
+  const std::string beside = std::filesystem::path(output).parent_path().string();
+  const std::string folder = !scratch_folder.empty() ? scratch_folder : beside.empty() ? "." : beside;
   std::optional<Progress> progress;
   std::string shown;
   const produce::MeshBuildProgress show = [&](const char* what, std::uint64_t done, std::uint64_t all) {
@@ -43,8 +45,7 @@ Result<produce::MeshStoreReport> build_mesh(const exec::Device& cpu, const std::
     progress->show(done, all);
   };
   GVX_ASSIGN(const auto mesh,
-             produce::spool_mesh(path, folder.empty() ? "." : folder.string(), options.memory_bytes,
-                                 produce::MeshSpool::Keep::triangles,
+             produce::spool_mesh(path, folder, options.memory_bytes, produce::MeshSpool::Keep::triangles,
                                  [&](std::uint64_t done, std::uint64_t all) { show("reading", done, all); }));
   const produce::MeshSummary& summary = mesh->summary();
   options.solid = fill != MeshFlags::Fill::shell && summary.closed;

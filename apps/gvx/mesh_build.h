@@ -30,9 +30,11 @@ class MeshFlags {
 };
 
 /// Reads the mesh and writes the store; `fill` says what `options.solid` becomes. Where standard error is a
-/// terminal it says how far it is, behind `title`.
+/// terminal it says how far it is, behind `title`. Scratch files stand in `scratch_folder`, or beside the
+/// store.
 Result<produce::MeshStoreReport> build_mesh(const exec::Device& cpu, const std::string& path,
                                             const std::string& output, produce::MeshStoreOptions options,
-                                            MeshFlags::Fill fill, const std::string& title = "");
+                                            MeshFlags::Fill fill, const std::string& title = "",
+                                            const std::string& scratch_folder = "");
 
 }  // namespace gvx::app

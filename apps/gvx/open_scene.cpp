@@ -4,15 +4,14 @@
 #include <array>
 #include <bit>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
-#include <unistd.h>
-
+#include "build_report.h"
 #include "built_in_scenes.h"
 #include "gvx/io/mesh.h"
+#include "gvx/io/scratch_file.h"
 #include "gvx/io/store_build.h"
 #include "gvx/io/volume_reader.h"
 #include "gvx/produce/amplify_producer.h"
@@ -27,59 +26,85 @@
 namespace gvx::app {
 namespace {
 
-/// A folder of our own in the temporary folder; gone, with all that is in it, when this is.
-class TemporaryFolder {
- public:
-  static Result<std::unique_ptr<TemporaryFolder>> create() {
-    std::error_code error;
-    std::string pattern = (std::filesystem::temp_directory_path(error) / "gvx-XXXXXX").string();
-    if (error || mkdtemp(pattern.data()) == nullptr) {
-      return Error{pattern + ": cannot create a temporary folder: " + std::strerror(errno)};
-    }
-    return std::unique_ptr<TemporaryFolder>(new TemporaryFolder(pattern));
+/// An error where something was said of a scene that it does not take.
+Status check_all_taken(const std::string& name, const scene::GenerateParts& parts) {
+  for (const auto& [left, what] : {std::pair{parts.levels.has_value(), "levels"},
+                                   {parts.resolution.has_value(), "resolution"},
+                                   {parts.octaves.has_value(), "octaves"},
+                                   {parts.seed.has_value(), "seed"},
+                                   {parts.wavelength.has_value(), "wavelength"},
+                                   {parts.gain.has_value(), "gain"},
+                                   {parts.strength.has_value(), "strength"},
+                                   {parts.thickness.has_value(), "thickness"},
+                                   {parts.in_march.has_value(), "inMarch"}}) {
+    if (left) return Error{name + ": " + what + " is nothing that this scene takes"};
   }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  return {};
+}
 
-  const std::string& path() const { return path_; }
+/// Of what a file becomes before it is shown.
+VoxelFormat format_of(const io::VolumeDescription& volume) {
+  if (volume.colors) return {VoxelType::u8, VoxelContent::color, 4};
+  const std::size_t bytes = io::sample_bytes(volume.type);
+  return {bytes == 1   ? VoxelType::u8
+          : bytes == 2 ? VoxelType::u16
+                       : VoxelType::f32,
+          VoxelContent::scalar, static_cast<std::uint32_t>(volume.components)};
+}
 
- private:
-  explicit TemporaryFolder(std::string path) : path_(std::move(path)) {}
-  std::string path_;
-};
-
-/// Builds a store that is open but has no name any more, so that nothing is left behind however the program
-/// ends.
-Result<std::unique_ptr<store::StoreReader>> build_nameless_store(const exec::Device& cpu,
-                                                                 const std::string& path,
-                                                                 const io::RawOptions& raw,
-                                                                 scene::GenerateParts& parts) {
-  GVX_ASSIGN(const auto folder, TemporaryFolder::create());
-  const std::string store_path = folder->path() + "/volume.gvx";
+Status fill_store(const Devices& devices, const std::string& path, const io::RawOptions& raw,
+                  scene::GenerateParts& parts, const BeforeBuild& before_build, const std::string& folder,
+                  const std::string& store_path) {
   const std::string title = "building a temporary store (gvx build keeps it)";
   if (io::is_mesh_name(path)) {
     produce::MeshStoreOptions options;
     if (parts.resolution) options.resolution = *parts.resolution;
     parts.resolution.reset();
     options.codec = store::Codec::lz4;
-    GVX_ASSIGN(const auto report,
-               build_mesh(cpu, path, store_path, options, MeshFlags::Fill::automatic, title + ": "));
+    GVX_TRY(check_all_taken(path, parts));
+    GVX_TRY(before_build({VoxelType::u8, VoxelContent::color_normal, 7}));
+    GVX_ASSIGN(const auto report, build_mesh(devices.cpu, path, store_path, options,
+                                             MeshFlags::Fill::automatic, title + ": ", folder));
     (void)report;
-  } else {
-    GVX_ASSIGN(const auto volume, io::open_volume(path, raw));
-    io::StoreBuildOptions options;
-    options.codec = store::Codec::lz4;
-    options.memory_bytes = 4ull << 30;
+    return {};
+  }
+  GVX_ASSIGN(const auto volume, io::open_volume(path, raw));
+  GVX_TRY(check_all_taken(path, parts));
+  GVX_TRY(before_build(format_of(volume->description())));
+  io::StoreBuildOptions options;
+  options.codec = store::Codec::lz4;
+  options.memory_bytes = 4ull << 30;
+  io::StoreBuildReport report;
+  {
     Progress progress(title, "");
     const auto show = [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); };
-    GVX_ASSIGN(const auto report, io::build_store(cpu, *volume, store_path, options, show));
-    (void)report;
+    GVX_ASSIGN(report, io::build_store(devices.cpu, *volume, store_path, options, show));
   }
-  return store::StoreReader::open(store_path);
+  warn_of_build(path, volume->description(), report);
+  return {};
+}
+
+/// Builds a store that never has a name, so that nothing is left behind however the program ends.
+Result<std::unique_ptr<store::StoreReader>> build_nameless_store(const Devices& devices,
+                                                                 const std::string& path,
+                                                                 const io::RawOptions& raw,
+                                                                 scene::GenerateParts& parts,
+                                                                 const BeforeBuild& before_build) {
+  std::error_code error;
+  const std::string folder = std::filesystem::temp_directory_path(error).string();
+  if (error) return Error{"the folder for temporary files (TMPDIR): " + error.message()};
+  GVX_ASSIGN(const io::ScratchFile file, io::ScratchFile::create(folder));
+  const std::string store_path = file.path();
+  const auto in_words = [&](const Error& failure) {
+    const bool of_store = failure.message.starts_with(store_path);
+    return of_store ? Error{"temporary store in " + folder + failure.message.substr(store_path.size())}
+                    : failure;
+  };
+  const Status filled = fill_store(devices, path, raw, parts, before_build, folder, store_path);
+  if (!filled.ok()) return in_words(filled.error());
+  auto reader = store::StoreReader::open(store_path);
+  if (!reader.ok()) return in_words(reader.error());
+  return reader;
 }
 
 }  // namespace
@@ -108,11 +133,11 @@ namespace {
 
 /// What is typed, with what was said of it that no scene has taken yet.
 Result<Scene> open_part(const Devices& devices, const std::string& name, const io::RawOptions& raw,
-                        scene::GenerateParts& parts);
+                        scene::GenerateParts& parts, const BeforeBuild& before_build);
 
 /// COPIES:SCENE, or SCENE, which is shown 8 times along each axis.
 Result<Scene> open_repeated(const Devices& devices, std::string name, const io::RawOptions& raw,
-                            scene::GenerateParts& parts) {
+                            scene::GenerateParts& parts, const BeforeBuild& before_build) {
   std::int64_t copies = 8;
   const std::size_t digits = name.find_first_not_of("0123456789");
   if (digits > 0 && digits != std::string::npos && name[digits] == ':') {
@@ -122,7 +147,7 @@ Result<Scene> open_repeated(const Devices& devices, std::string name, const io::
       return Error{"repeat: the number of copies along an axis must be a power of 2, from 2 on"};
     }
   }
-  GVX_ASSIGN(Scene one, open_part(devices, name, raw, parts));
+  GVX_ASSIGN(Scene one, open_part(devices, name, raw, parts, before_build));
   const auto levels = static_cast<std::uint32_t>(std::countr_zero(static_cast<std::uint64_t>(copies)));
   auto many = produce::RepeatProducer::create(std::move(one.producer), levels);
   if (!many.ok()) return Error{name + ": " + many.error().message};
@@ -142,7 +167,7 @@ Result<Scene> add_noise_in_march(Scene volume, const std::string& name,
 }
 
 Result<Scene> open_amplified(const Devices& devices, const std::string& name, const io::RawOptions& raw,
-                             scene::GenerateParts& parts) {
+                             scene::GenerateParts& parts, const BeforeBuild& before_build) {
   produce::AmplifyOptions options;
   options.levels = static_cast<std::uint32_t>(parts.levels.value_or(options.levels));
   options.strength = parts.strength.value_or(options.strength);
@@ -152,7 +177,7 @@ Result<Scene> open_amplified(const Devices& devices, const std::string& name, co
   parts.strength.reset(), parts.gain.reset();
   const bool in_march = parts.in_march.value_or(false);
   parts.in_march.reset();
-  GVX_ASSIGN(Scene one, open_part(devices, name, raw, parts));
+  GVX_ASSIGN(Scene one, open_part(devices, name, raw, parts, before_build));
   if (in_march) return add_noise_in_march(std::move(one), name, options);
   auto rich = produce::AmplifyProducer::create(std::move(one.producer), options);
   if (!rich.ok()) return Error{name + ": " + rich.error().message};
@@ -160,9 +185,9 @@ Result<Scene> open_amplified(const Devices& devices, const std::string& name, co
 }
 
 Result<Scene> open_part(const Devices& devices, const std::string& name, const io::RawOptions& raw,
-                        scene::GenerateParts& parts) {
-  if (name.starts_with("repeat:")) return open_repeated(devices, name.substr(7), raw, parts);
-  if (name.starts_with("amplify:")) return open_amplified(devices, name.substr(8), raw, parts);
+                        scene::GenerateParts& parts, const BeforeBuild& before_build) {
+  if (name.starts_with("repeat:")) return open_repeated(devices, name.substr(7), raw, parts, before_build);
+  if (name.starts_with("amplify:")) return open_amplified(devices, name.substr(8), raw, parts, before_build);
   GVX_ASSIGN(std::optional<Scene> built_in, open_built_in_scene(devices.render, name, parts));
   if (built_in) return std::move(*built_in);
   GVX_ASSIGN(const bool store, is_store(name));
@@ -170,7 +195,7 @@ Result<Scene> open_part(const Devices& devices, const std::string& name, const i
   if (store) {
     GVX_ASSIGN(reader, store::StoreReader::open(name));
   } else {
-    GVX_ASSIGN(reader, build_nameless_store(devices.cpu, name, raw, parts));
+    GVX_ASSIGN(reader, build_nameless_store(devices, name, raw, parts, before_build));
   }
   auto producer = std::make_shared<produce::StoreProducer>(std::move(reader));
   const std::string preset = scene::suggest_preset(value_statistics(producer->description(), 0));
@@ -180,19 +205,9 @@ Result<Scene> open_part(const Devices& devices, const std::string& name, const i
 }  // namespace
 
 Result<Scene> open_scene(const Devices& devices, const std::string& name, const io::RawOptions& raw,
-                         scene::GenerateParts parts) {
-  GVX_ASSIGN(Scene opened, open_part(devices, name, raw, parts));
-  for (const auto& [left, what] : {std::pair{parts.levels.has_value(), "levels"},
-                                   {parts.resolution.has_value(), "resolution"},
-                                   {parts.octaves.has_value(), "octaves"},
-                                   {parts.seed.has_value(), "seed"},
-                                   {parts.wavelength.has_value(), "wavelength"},
-                                   {parts.gain.has_value(), "gain"},
-                                   {parts.strength.has_value(), "strength"},
-                                   {parts.thickness.has_value(), "thickness"},
-                                   {parts.in_march.has_value(), "inMarch"}}) {
-    if (left) return Error{name + ": generate: " + what + " is nothing that this scene takes"};
-  }
+                         scene::GenerateParts parts, const BeforeBuild& before_build) {
+  GVX_ASSIGN(Scene opened, open_part(devices, name, raw, parts, before_build));
+  GVX_TRY(check_all_taken(name, parts));
   return opened;
 }
 
@@ -212,9 +227,9 @@ bool RawFlags::given() const {
   return !dims_.empty() || !dtype_.empty() || !endian_.empty() || !spacing_.empty() || offset_ || components_;
 }
 
-Error RawFlags::refuse(const std::string& path) {
-  return Error{path +
-               ": a mesh: --dims, --dtype, --endian, --components, --offset and --spacing say nothing of it"};
+Error RawFlags::refuse(const std::string& path, const char* what) {
+  return Error{path + ": " + what +
+               ": --dims, --dtype, --endian, --components, --offset and --spacing say nothing of it"};
 }
 
 Result<io::RawOptions> RawFlags::parse() const {
@@ -222,7 +237,7 @@ Result<io::RawOptions> RawFlags::parse() const {
   raw.offset = offset_;
   raw.components = components_;
   if (!dims_.empty()) {
-    GVX_ASSIGN(raw.dimensions, parse_dimensions(dims_));
+    GVX_ASSIGN(raw.dimensions, in_flag("--dims", parse_dimensions(dims_)));
   }
   if (!dtype_.empty()) {
     raw.type = io::parse_sample_type(dtype_);
@@ -234,7 +249,7 @@ Result<io::RawOptions> RawFlags::parse() const {
     raw.big_endian = endian_ == "big";
   }
   if (!spacing_.empty()) {
-    GVX_ASSIGN(raw.spacing, parse_vec3(spacing_));
+    GVX_ASSIGN(raw.spacing, in_flag("--spacing", parse_vec3(spacing_)));
   }
   return raw;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,11 +37,14 @@ struct Devices {
   exec::Device render;  ///< where pictures are made, and what kernels make of them
 };
 
-/// Opens SCENE. `parts` say how it is made; an error where the scene takes one of them not. Another program's
-/// volume or mesh is built into a store in the temporary folder that goes when the
-/// program does.
+/// Asked with what is known of a volume or mesh file before it is built into a store, which takes time.
+using BeforeBuild = std::function<Status(const VoxelFormat&)>;
+
+/// Opens SCENE. `parts` say how it is made; an error where the scene takes one of them not, or of
+/// `before_build`. Another program's volume or mesh is built into a store in the temporary folder, which has
+/// no name there and goes when the program does; what is not stored as it is is said on standard error.
 Result<Scene> open_scene(const Devices& devices, const std::string& name, const io::RawOptions& raw,
-                         scene::GenerateParts parts);
+                         scene::GenerateParts parts, const BeforeBuild& before_build);
 
 /// What a transfer function can fit itself to.
 scene::ValueStatistics value_statistics(const produce::TreeDescription& tree, std::size_t channel);
@@ -53,7 +57,7 @@ class RawFlags {
   /// Was any of them given?
   bool given() const;
   /// The error for input that they say nothing of.
-  static Error refuse(const std::string& path);
+  static Error refuse(const std::string& path, const char* what = "a mesh");
 
  private:
   std::string dims_, dtype_, endian_, spacing_;

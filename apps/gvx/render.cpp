@@ -2,9 +2,12 @@
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <vector>
 
+#include "built_in_scenes.h"
 #include "commands.h"
 #include "frame_files.h"
 #include "gvx/engine/engine.h"
@@ -13,8 +16,12 @@
 #include "gvx/io/mesh.h"
 #include "gvx/scene/camera_path.h"
 #include "gvx/scene/scene_file.h"
+#include "messages.h"
+#include "nothing_seen.h"
 #include "open_scene.h"
+#include "outputs.h"
 #include "scene_flags.h"
+#include "scene_inputs.h"
 #include "scene_view.h"
 #include "units.h"
 
@@ -34,20 +41,39 @@ Result<exec::Device> open_device(const Options& o) {
   return exec::Device::cpu(o.threads);
 }
 
-/// The mesh of --proxy, or one around the nodes that can be seen.
-Result<std::shared_ptr<const produce::Proxy>> open_proxy(const Options& o, const Scene& scene,
-                                                         const render::View& view) {
+/// The mesh of --proxy; none where it names none.
+Result<std::optional<io::TriangleMesh>> read_proxy(const Options& o) {
+  if (o.proxy.empty() || o.proxy == "nodes") return std::optional<io::TriangleMesh>();
+  auto mesh = io::read_mesh(o.proxy);
+  if (!mesh.ok()) return Error{"--proxy " + mesh.error().message};
+  return std::optional(std::move(mesh).value());
+}
+
+/// Of that mesh, or around the nodes that can be seen.
+Result<std::shared_ptr<const produce::Proxy>> make_proxy(std::optional<io::TriangleMesh> mesh,
+                                                         const Scene& scene, const render::View& view) {
   const produce::TreeDescription& tree = scene.producer->description();
-  if (o.proxy != "nodes") {
-    GVX_ASSIGN(io::TriangleMesh mesh, io::read_mesh(o.proxy));
-    return produce::Proxy::create(std::move(mesh), tree);
-  }
+  if (mesh) return produce::Proxy::create(std::move(*mesh), tree);
   // What no function shows and no noise can make it show.
   GVX_ASSIGN(const auto frame, render::Frame::make(exec::Device::cpu(1), view, engine::placement_of(tree)));
   const scene::Visibility visibility = frame.view().visibility;
   const std::uint32_t level = std::min(tree.max_level, tree.n == 2 ? 5u : 3u);
   return produce::Proxy::around_nodes(*scene.producer, level,
                                       [&](const ChannelRanges& ranges) { return visibility.hides(ranges); });
+}
+
+/// An error where the volume is none that flags of raw files say anything of.
+Status check_takes_raw(const std::string& volume) {
+  const std::string file = volume.substr(file_position(volume));
+  if (io::is_mesh_name(file)) return RawFlags::refuse(file);
+  std::error_code error;
+  if (file == "-") return {};
+  if (!std::filesystem::exists(file, error)) {
+    const bool made = file.find_first_of("./") == std::string::npos;
+    return made ? Status(RawFlags::refuse(file, "a scene that is made")) : Status();
+  }
+  GVX_ASSIGN(const bool store, is_store(file));
+  return store ? Status(RawFlags::refuse(file, "a store")) : Status();
 }
 
 /// What the command line says: a scene file or a volume, and flags.
@@ -63,10 +89,36 @@ Result<scene::SceneFile> read_command(const Options& o) {
   }
   GVX_TRY(o.flags.apply(scene));
   if (!scene.volume) return Error{o.scene + ": volume: expected a text (or --volume), found nothing"};
+  if (o.flags.has_raw()) GVX_TRY(check_takes_raw(*scene.volume));
   // Flags obey the limits that a file's fields obey.
   GVX_ASSIGN(const scene::SceneFile checked, scene::parse_scene(scene::to_json(scene), "command line"));
   (void)checked;
   return scene;
+}
+
+/// Every file that is to be written, if it can be; and, of pictures, if they can be of that size and format.
+Status check_output_files(const Options& o, const scene::SceneFile& scene,
+                          const std::optional<FrameRange>& frames) {
+  std::vector<Output> outputs;
+  if (!o.stats.empty()) outputs.push_back({"--stats", o.stats});
+  if (!o.save_scene.empty()) outputs.push_back({"--save-scene", o.save_scene});
+  if (frames) {
+    for (int frame = frames->first; frame <= frames->last; ++frame) {
+      outputs.push_back({"-o", frame_file(o.output, frame), frame > frames->first});
+    }
+  } else {
+    outputs.push_back({"-o", o.output});
+  }
+  GVX_TRY(check_outputs(outputs, [&] { return files_of_scene(o.scene, scene, o.proxy); }));
+  const bool exr = o.output.ends_with(".exr");
+  if (!o.output.ends_with(".png") && !exr) {
+    return Error{"-o " + o.output + ": the picture's name must end in .png or .exr"};
+  }
+  if (exr && !io::can_write_exr()) return Error{"-o " + o.output + ": this gvx was built without OpenEXR"};
+  const render::View standard;
+  const std::uint32_t width = scene.width.value_or(standard.width),
+                      height = scene.height.value_or(standard.height);
+  return io::check_image_size(o.output, width, height, std::size_t{4} * width * height);
 }
 
 Status write_picture(const std::string& path, const render::Picture& picture) {
@@ -109,7 +161,7 @@ engine::Statistics sum(const engine::Statistics& before, engine::Statistics now)
 void report(const std::string& path, const render::View& view, const engine::Statistics& s,
             const exec::Device& device) {
   std::printf(
-      "%s: %ux%u in %.0f ms on %s, %llu bricks made, %llu resident, %s\n", path.c_str(), view.width,
+      "%s: %ux%u in %.0f ms on %s, %llu bricks made, %llu resident, %s\n", one_line(path).c_str(), view.width,
       view.height, s.frame_milliseconds, device.name().c_str(),
       static_cast<unsigned long long>(s.bricks_produced), static_cast<unsigned long long>(s.bricks_resident),
       s.converged
@@ -124,7 +176,20 @@ struct Studio {
   const Options& options;
   const exec::Device& device;
   engine::Engine& engine;
+  bool proxy;
 };
+
+/// Writes the engine's picture. Says, behind `what`, why nothing can be seen in it; was that said?
+Result<bool> write_picture_of(const Studio& studio, const std::string& path, const render::View& view,
+                              bool say_nothing_is_seen, const std::string& what) {
+  const render::Picture picture = studio.engine.picture();
+  GVX_TRY(write_picture(path, picture));
+  if (!say_nothing_is_seen) return false;
+  const auto why =
+      why_nothing_is_seen(picture, view, studio.engine.tree(), studio.engine.converged(), studio.proxy);
+  if (why) warn(what + "nothing can be seen: " + *why);
+  return why.has_value();
+}
 
 /// A picture of a resting camera, exact or of budget frames.
 Result<engine::Statistics> render_still(const Studio& studio, const render::View& view) {
@@ -136,13 +201,14 @@ Result<engine::Statistics> render_still(const Studio& studio, const render::View
     GVX_TRY(engine.render_exact());
     statistics = engine.statistics();
   } else {
-    GVX_ASSIGN(const auto budget, parse_duration(o.budget));
+    GVX_ASSIGN(const auto budget, in_flag("--budget", parse_duration(o.budget)));
     for (int frame = 0; frame < o.budget_frames && !engine.converged(); ++frame) {
       GVX_TRY(engine.render_for(budget));
       statistics = sum(statistics, engine.statistics());
     }
   }
-  GVX_TRY(write_picture(o.output, engine.picture()));
+  GVX_ASSIGN(const bool says, write_picture_of(studio, o.output, view, true, o.output + ": "));
+  (void)says;
   return statistics;
 }
 
@@ -151,10 +217,13 @@ Result<engine::Statistics> render_frames(const Studio& studio, render::View view
                                          const std::optional<scene::CameraPath>& path) {
   const Options& o = studio.options;
   const scene::Camera camera = view.camera;
-  const auto render_frame = [&](const std::string& file) -> Result<engine::Statistics> {
+  bool said = false;
+  const auto render_frame = [&](int frame, const std::string& file) -> Result<engine::Statistics> {
     GVX_TRY(studio.engine.look(view));
     GVX_TRY(studio.engine.render_exact());
-    GVX_TRY(write_picture(file, studio.engine.picture()));
+    const std::string what = "frame " + std::to_string(frame) + ": ";
+    GVX_ASSIGN(const bool says, write_picture_of(studio, file, view, !said, what));
+    said = said || says;
     return studio.engine.statistics();
   };
   engine::Statistics statistics;
@@ -164,7 +233,7 @@ Result<engine::Statistics> render_frames(const Studio& studio, render::View view
                   : o.zoom > 0 ? scene::zoom(camera, std::pow(o.zoom, part))
                                : scene::orbit(camera, 360 * part);
     const std::string file = frame_file(o.output, frame);
-    const auto rendered = render_frame(file);
+    const auto rendered = render_frame(frame, file);
     if (!rendered.ok()) return Error{"frame " + std::to_string(frame) + ": " + rendered.error().message};
     if (!o.quiet) report(file, view, rendered.value(), studio.device);
     const std::uint64_t samples = statistics.samples + rendered.value().samples;
@@ -175,6 +244,7 @@ Result<engine::Statistics> render_frames(const Studio& studio, render::View view
 }
 
 Status write_text(const std::string& path, const std::string& text) {
+  std::fflush(stdout);  // which `path` may name
   return io::write_file_atomically(path, std::as_bytes(std::span(text)));
 }
 
@@ -188,37 +258,54 @@ Result<std::optional<scene::CameraPath>> camera_path(const scene::SceneFile& sce
   return std::optional<scene::CameraPath>(std::move(path));
 }
 
+/// Will the bricks of such a tree fit the pool?
+Status check_memory(std::uint64_t memory_bytes, const produce::TreeDescription& tree) {
+  GVX_ASSIGN(const auto sizes, engine::PoolSizes::fitting(memory_bytes, tree));
+  (void)sizes;
+  return {};
+}
+
 Status render(const Options& o) {
-  if (!o.output.ends_with(".png") && !o.output.ends_with(".exr")) {
-    return Error{o.output + ": the picture's name must end in .png or .exr"};
-  }
-  FrameRange frames;
+  std::optional<FrameRange> frames;
   if (!o.frames.empty()) {
     GVX_ASSIGN(frames, parse_frames(o.frames));
   }
   engine::EngineOptions engine_options;
-  GVX_ASSIGN(engine_options.memory_bytes, parse_bytes(o.memory));
+  GVX_ASSIGN(engine_options.memory_bytes, in_flag("--memory", parse_bytes(o.memory)));
+  if (!o.budget.empty()) {
+    GVX_ASSIGN(const auto budget, in_flag("--budget", parse_duration(o.budget)));
+    (void)budget;
+  }
   GVX_ASSIGN(scene::SceneFile scene, read_command(o));
+  GVX_TRY(check_output_files(o, scene, frames));
+  GVX_TRY(check_before_opening(scene, o.flags));
   GVX_ASSIGN(const exec::Device device, open_device(o));
+  GVX_ASSIGN(auto proxy, read_proxy(o));
+  const auto before_build = [&](const VoxelFormat& format) -> Status {
+    GVX_TRY(check_before_building(scene, o.flags, format));
+    produce::TreeDescription tree;
+    tree.format = format;
+    return check_memory(engine_options.memory_bytes, tree);
+  };
   GVX_ASSIGN(const Scene opened, open_scene({exec::Device::cpu(o.threads), device}, *scene.volume,
-                                            raw_options(scene.raw), scene.generate));
+                                            raw_options(scene.raw), scene.generate, before_build));
   GVX_ASSIGN(scene, complete(scene, o.flags, opened));
   GVX_ASSIGN(const auto path, camera_path(scene));
-  GVX_ASSIGN(render::View view, make_view(scene, opened));
+  GVX_ASSIGN(render::View view, make_view(scene, o.flags, opened));
   if (path) view.camera = path->key_frames().front().camera;
   if (!o.save_scene.empty()) {
     relate_names(scene, o.save_scene);
     GVX_TRY(write_text(o.save_scene, scene::to_json(scene)));
   }
   if (!o.proxy.empty()) {
-    GVX_ASSIGN(engine_options.proxy, open_proxy(o, opened, view));
+    GVX_ASSIGN(engine_options.proxy, make_proxy(std::move(proxy), opened, view));
   }
   GVX_ASSIGN(const auto engine, engine::Engine::create(device, opened.producer, engine_options));
-  const Studio studio{o, device, *engine};
+  const Studio studio{o, device, *engine, engine_options.proxy != nullptr};
   GVX_ASSIGN(const engine::Statistics statistics,
-             o.frames.empty() ? render_still(studio, view) : render_frames(studio, view, frames, path));
+             frames ? render_frames(studio, view, *frames, path) : render_still(studio, view));
   if (!o.stats.empty()) GVX_TRY(write_text(o.stats, to_json(statistics).dump(2) + "\n"));
-  if (o.frames.empty() && !o.quiet) {
+  if (!frames && !o.quiet) {
     report(o.output, view, statistics, device);
     std::printf("--camera '%s'\n", scene::to_text(view.camera).c_str());
   }
@@ -265,12 +352,15 @@ Command add_render(CLI::App& program) {
   command->add_option("--device", o->device, "Where to render")
       ->check(CLI::IsMember({"cpu", "cuda"}))
       ->capture_default_str();
-  command->add_option("--proxy", o->proxy,
-                      "Rays march between the first and the last place where they cross this closed mesh, "
-                      "which must hold all that is seen; nodes: one around the nodes that can be seen");
-  command->add_option("--stats", o->stats, "Write statistics to this JSON file");
-  command->add_option("--save-scene", o->save_scene, "Write the scene, flags and all, to this JSON file");
-  command->add_flag("--quiet", o->quiet, "Print nothing but errors");
+  command
+      ->add_option("--proxy", o->proxy,
+                   "Rays march between the first and the last place where they cross this closed mesh, "
+                   "which must hold all that is seen; nodes: one around the nodes that can be seen")
+      ->check(not_empty());
+  command->add_option("--stats", o->stats, "Write statistics to this JSON file")->check(not_empty());
+  command->add_option("--save-scene", o->save_scene, "Write the scene, flags and all, to this JSON file")
+      ->check(not_empty());
+  command->add_flag("--quiet", o->quiet, "Print nothing but errors and warnings");
   o->flags.add_to(*command);
   return [o] { return render(*o); };
 }

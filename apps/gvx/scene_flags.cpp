@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "commands.h"
 #include "gvx/io/header_text.h"
 #include "gvx/io/sample_type.h"
 #include "units.h"
@@ -42,9 +43,9 @@ Result<scene::Light> parse_light(const std::string& text) {
   }
   scene::Light light;
   light.kind = static_cast<scene::LightKind>(*kind);
-  GVX_ASSIGN(light.place, parse_vec3(parts[1]));
+  GVX_ASSIGN(light.place, in_flag("--light", parse_vec3(parts[1])));
   if (parts.size() == 3) {
-    GVX_ASSIGN(const Vec3d color, parse_vec3(parts[2]));
+    GVX_ASSIGN(const Vec3d color, in_flag("--light", parse_vec3(parts[2])));
     light.color = Vec3f(color);
   }
   return light;
@@ -53,14 +54,18 @@ Result<scene::Light> parse_light(const std::string& text) {
 }  // namespace
 
 void SceneFlags::add_to(CLI::App& command) {
-  const auto one_at_a_time = [](CLI::Option* option) { option->allow_extra_args(false); };
-  command.add_option("--volume", volume_, "Instead of the one that a scene file names");
-  command.add_option("--size", size_, "Of the picture, WxH (1024x1024)");
+  const auto one_at_a_time = [](CLI::Option* option) { option->allow_extra_args(false)->check(not_empty()); };
+  command.add_option("--volume", volume_, "Instead of the one that a scene file names")->check(not_empty());
+  command.add_option("--size", size_, "Of the picture, WxH (1024x1024)")->check(not_empty());
   command.add_option("--antialias", antialias_, "Rays along an axis of a pixel, 1 to 8 (1)");
-  command.add_option(
-      "--camera", camera_,
-      "eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees in world space, or height=world for an orthographic "
-      "one; parts that are left out are as without this flag: all of the scene framed");
+  command
+      .add_option(
+          "--camera", camera_,
+          "eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees in world space, or height=world for an orthographic "
+          "one; parts that are left out are as without this flag: all of the scene framed, z up, or y where "
+          "the "
+          "view is along z")
+      ->check(not_empty());
   one_at_a_time(command.add_option("--key-frame", key_frames_,
                                    "NUMBER:CAMERA, the latter as for --camera; several make a camera path"));
   command.add_option("--mode", mode_, "composite, maximum, minimum, mean or isosurface (composite)")
@@ -77,9 +82,11 @@ void SceneFlags::add_to(CLI::App& command) {
       command.add_option("--tf", functions_,
                          "Transfer function, one a channel: a ParaView JSON colour map, or a preset: " +
                              joined(scene::preset_names()) + "; without it a preset that suits the values"));
-  command.add_option(
-      "--gradient-opacity", gradients_,
-      "g0,f0,g1,f1,...: the extinction's factor f where the gradient, in values per world unit, is g");
+  command
+      .add_option(
+          "--gradient-opacity", gradients_,
+          "g0,f0,g1,f1,...: the extinction's factor f where the gradient, in values per world unit, is g")
+      ->check(not_empty());
   one_at_a_time(
       command.add_option("--light", lights_,
                          "KIND:x,y,z[:red,green,blue], up to 8: camera (a direction: right, up, towards "
@@ -89,8 +96,9 @@ void SceneFlags::add_to(CLI::App& command) {
   command.add_option("--specular", specular_, "Weight of highlights (0.2)");
   command.add_option("--shininess", shininess_, "Exponent of highlights (32)");
   shaded_option_ = command.add_flag("--shaded,!--flat", shaded_, "With or without shading");
-  command.add_option("--clip", clip_, "Show only this box, X0,Y0,Z0,X1,Y1,Z1 in fractions of the volume's");
-  command.add_option("--background", background_, "Red,green,blue, 0 to 1 (0,0,0)");
+  command.add_option("--clip", clip_, "Show only this box, X0,Y0,Z0,X1,Y1,Z1 in fractions of the volume's")
+      ->check(not_empty());
+  command.add_option("--background", background_, "Red,green,blue, 0 to 1 (0,0,0)")->check(not_empty());
   transparent_option_ = command.add_flag("--transparent,!--opaque", transparent_,
                                          "Keep the picture's alpha instead of a background");
   finest_option_ = command.add_flag("--finest,!--level-of-detail", finest_,
@@ -127,7 +135,7 @@ Status SceneFlags::apply(scene::SceneFile& scene) const {
   GVX_TRY(apply_raw(scene.raw));
   apply_generate(scene.generate);
   if (!size_.empty()) {
-    GVX_ASSIGN(const Size size, parse_size(size_));
+    GVX_ASSIGN(const Size size, in_flag("--size", parse_size(size_)));
     scene.width = size.width;
     scene.height = size.height;
   }
@@ -142,10 +150,10 @@ Status SceneFlags::apply(scene::SceneFile& scene) const {
   for (const std::string& name : functions_) scene.functions.push_back({.from = name});
   GVX_TRY(apply_lighting(scene.lighting));
   if (!clip_.empty()) {
-    GVX_ASSIGN(scene.clip, parse_box(clip_));
+    GVX_ASSIGN(scene.clip, in_flag("--clip", parse_box(clip_)));
   }
   if (!background_.empty()) {
-    GVX_ASSIGN(scene.background, parse_vec3(background_));
+    GVX_ASSIGN(scene.background, in_flag("--background", parse_vec3(background_)));
   }
   if (transparent_option_->count() > 0) scene.transparent = transparent_;
   if (samples_) scene.samples = samples_;
@@ -194,12 +202,14 @@ void SceneFlags::apply_generate(scene::GenerateParts& parts) const {
   if (in_march_) parts.in_march = true;
 }
 
-Result<scene::Camera> SceneFlags::camera(const scene::Camera& base) const {
-  if (camera_.empty()) return base;
-  return scene::parse_camera(camera_, base);
+Result<scene::CameraParts> SceneFlags::camera() const {
+  auto camera = scene::parse_camera_parts(camera_);
+  // Its errors begin with the flag's name but for the dashes.
+  if (!camera.ok()) return Error{"--" + camera.error().message};
+  return camera;
 }
 
-Result<std::vector<scene::KeyFrameParts>> SceneFlags::key_frames(const scene::Camera& base) const {
+Result<std::vector<scene::KeyFrameParts>> SceneFlags::key_frames() const {
   std::vector<scene::KeyFrameParts> keys;
   for (const std::string& text : key_frames_) {
     const std::vector<std::string> parts = split(text, ':', 2);
@@ -207,8 +217,8 @@ Result<std::vector<scene::KeyFrameParts>> SceneFlags::key_frames(const scene::Ca
     if (parts.size() != 2 || !frame || !std::isfinite(*frame)) {
       return Error{"--key-frame: '" + text + "' is not NUMBER:CAMERA"};
     }
-    GVX_ASSIGN(const scene::Camera camera, scene::parse_camera(parts[1], base));
-    keys.push_back({*frame, scene::CameraParts(camera)});
+    GVX_ASSIGN(const scene::CameraParts camera, in_flag("--key-frame", scene::parse_camera_parts(parts[1])));
+    keys.push_back({*frame, camera});
   }
   return keys;
 }

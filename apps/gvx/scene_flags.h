@@ -21,16 +21,19 @@ class SceneFlags {
   /// Lays the flags that were given over a scene: all but those below.
   Status apply(scene::SceneFile& scene) const;
 
-  // What depends on the volume, which must be open first.
+  // What is laid over what depends on the volume.
 
-  /// --camera, over the one that all else leads to.
-  Result<scene::Camera> camera(const scene::Camera& base) const;
-  /// --key-frame, each over `base`; none where none is given.
-  Result<std::vector<scene::KeyFrameParts>> key_frames(const scene::Camera& base) const;
+  /// What --camera says.
+  Result<scene::CameraParts> camera() const;
+  /// --key-frame; none where none is given.
+  Result<std::vector<scene::KeyFrameParts>> key_frames() const;
   /// --gradient-opacity; empty where it is not given.
   Result<std::vector<scene::GradientPoint>> gradients() const;
   bool has_volume() const { return !volume_.empty(); }
   bool has_isovalue() const { return isovalue_.has_value(); }
+  bool has_functions() const { return !functions_.empty(); }
+  /// Was anything said of a raw file?
+  bool has_raw() const { return raw_.given(); }
 
  private:
   Status apply_lighting(scene::LightingParts& lighting) const;

@@ -5,6 +5,8 @@
 
 #include "built_in_scenes.h"
 #include "gvx/io/transfer_function_file.h"
+#include "gvx/render/frame.h"
+#include "gvx/scene/camera_path.h"
 
 namespace gvx::app {
 namespace {
@@ -16,62 +18,153 @@ bool is_preset(const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+Error no_such_function(const std::string& name) {
+  std::string presets;
+  for (const char* preset : scene::preset_names())
+    presets += (presets.empty() ? "" : ", ") + std::string(preset);
+  return Error{name + ": neither a file nor a preset (presets: " + presets + ")"};
+}
+
 Result<scene::TransferFunction> open_function(const scene::FunctionParts& parts,
                                               const scene::ValueStatistics& statistics) {
   if (parts.from.empty()) return parts.over({});
-  std::error_code ignored;
-  if (!is_preset(parts.from) && fs::exists(parts.from, ignored)) {
-    GVX_ASSIGN(auto function, io::read_transfer_function(parts.from));
+  if (is_preset(parts.from)) {
+    GVX_ASSIGN(auto function, scene::preset(parts.from, statistics));
     return parts.over(std::move(function));
   }
-  auto function = scene::preset(parts.from, statistics);
-  if (!function.ok()) return Error{"no file and " + function.error().message};
-  return parts.over(std::move(function).value());
+  std::error_code ignored;
+  if (!fs::exists(parts.from, ignored)) return no_such_function(parts.from);
+  GVX_ASSIGN(auto function, io::read_transfer_function(parts.from));
+  return parts.over(std::move(function));
 }
 
-bool takes_functions(const produce::TreeDescription& tree) {
-  return tree.format.content == VoxelContent::scalar || tree.format.content == VoxelContent::labels;
+/// What names function `i` in messages: the flag, or the field.
+Error in_function(const SceneFlags& flags, std::size_t i, const Error& error) {
+  return Error{(flags.has_functions() ? "--tf " : "functions[" + std::to_string(i) + "]: ") + error.message};
+}
+
+/// Does the volume take as many functions, and gradients?
+Status check_functions(const scene::SceneFile& scene, const SceneFlags& flags, const VoxelFormat& format) {
+  const bool takes = format.content == VoxelContent::scalar || format.content == VoxelContent::labels;
+  const std::size_t most = takes ? format.channels() : 0;
+  if (scene.functions.size() > most) {
+    return Error{std::string(flags.has_functions() ? "--tf" : "functions") + ": " +
+                 std::to_string(scene.functions.size()) + " for a volume that takes " + std::to_string(most)};
+  }
+  GVX_ASSIGN(const auto gradients, flags.gradients());
+  if (!gradients.empty() && format.content != VoxelContent::scalar) {
+    return Error{"--gradient-opacity: the volume's voxels have no gradient"};
+  }
+  return {};
 }
 
 /// One a channel; none for labels, whose colours are their own, unless the scene has one.
 Result<std::vector<scene::FunctionParts>> complete_functions(const scene::SceneFile& scene,
                                                              const SceneFlags& flags, const Scene& opened) {
   const produce::TreeDescription& tree = opened.producer->description();
-  const std::size_t channels = tree.format.channels();
+  GVX_TRY(check_functions(scene, flags, tree.format));
   std::vector<scene::FunctionParts> functions = scene.functions;
-  GVX_ASSIGN(const auto gradients, flags.gradients());
-  if (functions.size() > channels || (!functions.empty() && !takes_functions(tree))) {
-    return Error{"functions: " + std::to_string(functions.size()) + " for a volume that takes " +
-                 std::to_string(takes_functions(tree) ? channels : 0)};
-  }
-  if (tree.format.content != VoxelContent::scalar) {
-    if (!gradients.empty()) return Error{"--gradient-opacity: the volume's voxels have no gradient"};
-    return functions;
-  }
+  if (tree.format.content != VoxelContent::scalar) return functions;
   const bool projection = *scene.mode != scene::Mode::composite && *scene.mode != scene::Mode::isosurface;
-  if (!gradients.empty() && *scene.mode != scene::Mode::composite) {
-    return Error{"--gradient-opacity: only mode composite has opacities"};
-  }
   if (functions.empty() && projection) functions.push_back({.from = "ramp"});
   if (functions.empty()) {
     functions.push_back({.from = opened.preset, .colors = opened.colors, .opacities = opened.opacities});
   }
-  functions.resize(channels, functions.back());
+  functions.resize(tree.format.channels(), functions.back());
+  GVX_ASSIGN(const auto gradients, flags.gradients());
   if (!gradients.empty()) {
     for (scene::FunctionParts& function : functions) function.gradients = gradients;
   }
   return functions;
 }
 
-Status check_isovalue(const scene::SceneFile& scene, const SceneFlags& flags,
-                      const scene::ValueStatistics& statistics) {
-  if (*scene.mode != scene::Mode::isosurface) {
-    if (flags.has_isovalue()) return Error{"--isovalue: only mode isosurface has one"};
-    return {};
+/// What of the modes can be told without a volume.
+Status check_mode(const scene::SceneFile& scene, const SceneFlags& flags) {
+  const scene::Mode mode = scene.mode.value_or(render::View().mode);
+  if (flags.has_isovalue() && mode != scene::Mode::isosurface) {
+    return Error{"--isovalue: only mode isosurface has one"};
   }
-  if (scene.isovalue) return {};
-  return Error{"isovalue: mode isosurface needs one (--isovalue); the volume's values are from " +
-               std::to_string(statistics.minimum) + " to " + std::to_string(statistics.maximum)};
+  GVX_ASSIGN(const auto gradients, flags.gradients());
+  if (!gradients.empty() && mode != scene::Mode::composite) {
+    return Error{"--gradient-opacity: only mode composite has opacities"};
+  }
+  return {};
+}
+
+bool lacks_isovalue(const scene::SceneFile& scene) {
+  return scene.mode == scene::Mode::isosurface && !scene.isovalue;
+}
+
+Error no_isovalue(const std::string& more) {
+  return Error{"isovalue: mode isosurface needs one (--isovalue)" + more};
+}
+
+/// Files that are read again later; what is in a pipe could not be.
+Status check_function_files(const scene::SceneFile& scene, const SceneFlags& flags) {
+  for (std::size_t i = 0; i < scene.functions.size(); ++i) {
+    const std::string& name = scene.functions[i].from;
+    std::error_code ignored;
+    if (name.empty() || is_preset(name)) continue;
+    if (!fs::exists(name, ignored)) return in_function(flags, i, no_such_function(name));
+    if (!fs::is_regular_file(name, ignored)) continue;
+    if (const auto function = io::read_transfer_function(name); !function.ok()) {
+      return in_function(flags, i, function.error());
+    }
+  }
+  return {};
+}
+
+/// The camera of a scene and of --camera over `base`, and whether either says what is up.
+struct StatedCamera {
+  scene::Camera camera;
+  bool has_up = false;
+  bool has_place = false;  ///< eye and target: nothing of `base` matters
+};
+
+Result<StatedCamera> stated_camera(const scene::SceneFile& scene, const SceneFlags& flags,
+                                   const scene::Camera& base) {
+  GVX_ASSIGN(const scene::CameraParts typed, flags.camera());
+  const scene::CameraParts& written = scene.camera;
+  const bool has_target = typed.target || typed.origin || written.target || written.origin;
+  return StatedCamera{typed.over(written.over(base)), typed.up || written.up,
+                      (typed.eye || written.eye) && has_target};
+}
+
+/// The camera of a key frame: what it leaves out is that of all of them.
+scene::Camera key_camera(const scene::KeyFrameParts& key, const StatedCamera& all) {
+  const scene::Camera camera = key.camera.over(all.camera);
+  return key.camera.up || all.has_up ? camera : scene::with_fitting_up(camera);
+}
+
+Status check_view(const scene::Camera& camera) {
+  GVX_ASSIGN(const auto view, scene::make_view(camera, 1, 1));
+  (void)view;
+  return {};
+}
+
+/// What of the camera and its path can be told before a volume says what else is to be framed.
+Status check_cameras(const scene::SceneFile& scene, const SceneFlags& flags) {
+  GVX_ASSIGN(StatedCamera stated, stated_camera(scene, flags, {}));
+  GVX_ASSIGN(auto keys, flags.key_frames());
+  if (keys.empty()) keys = scene.camera_path;
+  if (keys.empty()) {
+    if (!stated.has_up) stated.camera = scene::with_fitting_up(stated.camera);
+    return stated.has_place ? check_view(stated.camera) : Status();
+  }
+  std::vector<scene::KeyFrame> path;
+  for (const scene::KeyFrameParts& key : keys) {
+    scene::Camera camera = key_camera(key, stated);
+    const bool has_place = (key.camera.eye && (key.camera.target || key.camera.origin)) || stated.has_place;
+    if (!has_place) {
+      // Any place that is a view will do.
+      camera.eye = camera.target + Vec3d(1, 0, 0);
+      camera.up = {0, 0, 1};
+    }
+    path.push_back({key.frame, camera});
+  }
+  GVX_ASSIGN(const auto checked, scene::CameraPath::create(std::move(path)));
+  (void)checked;
+  return {};
 }
 
 template <typename Rename>
@@ -111,15 +204,22 @@ Result<scene::SceneFile> complete(scene::SceneFile scene, const SceneFlags& flag
   if (!scene.antialias) scene.antialias = standard.antialias;
   const scene::Camera framed = scene::frame_box(tree.extent, tree.tree_to_world, tree.anatomical,
                                                 double(*scene.width) / double(*scene.height));
-  GVX_ASSIGN(const scene::Camera camera, flags.camera(scene.camera.over(framed)));
-  scene.camera = scene::CameraParts(camera);
-  GVX_ASSIGN(const auto key_frames, flags.key_frames(camera));
+  GVX_ASSIGN(const StatedCamera stated, stated_camera(scene, flags, framed));
+  GVX_ASSIGN(const auto key_frames, flags.key_frames());
   if (!key_frames.empty()) scene.camera_path = key_frames;
   for (scene::KeyFrameParts& key : scene.camera_path)
-    key.camera = scene::CameraParts(key.camera.over(camera));
+    key.camera = scene::CameraParts(key_camera(key, stated));
+  const scene::Camera camera = stated.has_up ? stated.camera : scene::with_fitting_up(stated.camera);
+  if (scene.camera_path.empty()) GVX_TRY(check_view(camera));
+  scene.camera = scene::CameraParts(camera);
   if (!scene.mode) scene.mode = standard.mode;
   if (!scene.classification) scene.classification = standard.classification;
-  GVX_TRY(check_isovalue(scene, flags, value_statistics(tree, 0)));
+  GVX_TRY(check_mode(scene, flags));
+  if (lacks_isovalue(scene)) {
+    const scene::ValueStatistics values = value_statistics(tree, 0);
+    return no_isovalue("; the volume's values are from " + std::to_string(values.minimum) + " to " +
+                       std::to_string(values.maximum));
+  }
   GVX_ASSIGN(scene.functions, complete_functions(scene, flags, opened));
   scene.lighting = scene::LightingParts(scene.lighting.over(standard.lighting));
   if (!scene.clip) scene.clip = standard.clip;
@@ -131,7 +231,29 @@ Result<scene::SceneFile> complete(scene::SceneFile scene, const SceneFlags& flag
   return scene;
 }
 
-Result<render::View> make_view(const scene::SceneFile& scene, const Scene& opened) {
+Status check_before_opening(const scene::SceneFile& scene, const SceneFlags& flags) {
+  GVX_TRY(check_mode(scene, flags));
+  GVX_TRY(check_function_files(scene, flags));
+  return check_cameras(scene, flags);
+}
+
+Status check_before_building(const scene::SceneFile& scene, const SceneFlags& flags,
+                             const VoxelFormat& format) {
+  if (lacks_isovalue(scene)) return no_isovalue("");
+  GVX_TRY(check_functions(scene, flags, format));
+  render::View view;
+  view.mode = scene.mode.value_or(view.mode);
+  view.classification = scene.classification.value_or(view.classification);
+  view.lighting = scene.lighting.over(view.lighting);
+  view.functions = {{{{0, {}}}, {{0, 0}}}};
+  render::TreePlacement placement;
+  placement.format = format;
+  GVX_ASSIGN(const auto frame, render::Frame::make(exec::Device::cpu(1), view, placement));
+  (void)frame;
+  return {};
+}
+
+Result<render::View> make_view(const scene::SceneFile& scene, const SceneFlags& flags, const Scene& opened) {
   const produce::TreeDescription& tree = opened.producer->description();
   render::View view;
   view.width = *scene.width;
@@ -143,8 +265,7 @@ Result<render::View> make_view(const scene::SceneFile& scene, const Scene& opene
   view.classification = *scene.classification;
   for (std::size_t channel = 0; channel < scene.functions.size(); ++channel) {
     auto function = open_function(scene.functions[channel], value_statistics(tree, channel));
-    if (!function.ok())
-      return Error{"functions[" + std::to_string(channel) + "]: " + function.error().message};
+    if (!function.ok()) return in_function(flags, channel, function.error());
     view.functions.push_back(std::move(function).value());
   }
   if (tree.format.content == VoxelContent::labels && view.functions.empty()) {

@@ -15,11 +15,19 @@ namespace gvx::app {
 /// What is known of a raw file, as readers take it.
 io::RawOptions raw_options(const scene::RawParts& raw);
 
+/// What can be said of a scene before its volume is opened: an error where a function is neither a file that
+/// can be read nor a preset, where a camera is no view, or where flags do not go together.
+Status check_before_opening(const scene::SceneFile& scene, const SceneFlags& flags);
+
+/// And before a volume of these voxels is built: an error where they cannot be shown so.
+Status check_before_building(const scene::SceneFile& scene, const SceneFlags& flags,
+                             const VoxelFormat& format);
+
 /// The scene with all that it and the flags leave out chosen to suit the volume, so that nothing is left out.
 Result<scene::SceneFile> complete(scene::SceneFile scene, const SceneFlags& flags, const Scene& opened);
 
 /// Of a complete scene.
-Result<render::View> make_view(const scene::SceneFile& scene, const Scene& opened);
+Result<render::View> make_view(const scene::SceneFile& scene, const SceneFlags& flags, const Scene& opened);
 
 /// Names of files, as seen from the scene file's folder, as seen from here.
 void resolve_names(scene::SceneFile& scene, const std::string& scene_path);

@@ -12,6 +12,13 @@
 
 namespace gvx::app {
 
+/// An error of what a flag says names the flag.
+template <typename Value>
+Result<Value> in_flag(const char* flag, Result<Value> value) {
+  if (!value.ok()) return Error{std::string(flag) + ": " + value.error().message};
+  return value;
+}
+
 /// "512M", "1G", "64K" or bytes; powers of 1024.
 Result<std::uint64_t> parse_bytes(const std::string& text);
 /// "33ms", "1.5s"; a number alone is milliseconds.

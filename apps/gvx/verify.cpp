@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "commands.h"
+#include "messages.h"
 #include "progress.h"
 #include "units.h"
 
@@ -24,7 +25,7 @@ Command add_verify(CLI::App& program) {
                  store::verify(exec::Device::cpu(*threads), *path,
                                [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
     }
-    std::printf("%s: sound: %llu bricks and %llu constant nodes, %s read\n", path->c_str(),
+    std::printf("%s: sound: %llu bricks and %llu constant nodes, %s read\n", one_line(*path).c_str(),
                 static_cast<unsigned long long>(report.bricks),
                 static_cast<unsigned long long>(report.constant_nodes),
                 bytes_text(report.bytes_read).c_str());

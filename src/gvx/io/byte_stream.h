@@ -3,6 +3,7 @@
 /// bounded: the file's buffer and the decoder's state, never the data.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -38,6 +39,9 @@ class ByteStream {
 
   /// Decoded bytes from here to the end, where the file's size tells them: raw regular files.
   virtual std::optional<std::uint64_t> bytes_left() const { return std::nullopt; }
+
+  /// Does read() within this time find bytes, or the end?
+  bool comes_within(std::chrono::milliseconds time) const { return source_.comes_within(time); }
 
   /// Goes back to the first byte; an error for pipes.
   Status rewind();

@@ -60,4 +60,13 @@ Status ChannelMerger::rewind() {
   return {};
 }
 
+std::vector<Surplus> ChannelMerger::surplus() {
+  std::vector<Surplus> all;
+  for (const auto& channel : channels_) {
+    const std::vector<Surplus> of_channel = channel->surplus();
+    all.insert(all.end(), of_channel.begin(), of_channel.end());
+  }
+  return all;
+}
+
 }  // namespace gvx::io

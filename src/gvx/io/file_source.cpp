@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -97,6 +98,12 @@ Result<std::size_t> FileSource::read(std::span<std::byte> out) {
     done += count;
   }
   return done;
+}
+
+bool FileSource::comes_within(std::chrono::milliseconds time) const {
+  if (end_ > begin_) return true;
+  pollfd waiting{descriptor_, POLLIN, 0};
+  return ::poll(&waiting, 1, static_cast<int>(time.count())) > 0;
 }
 
 Status FileSource::seek(std::uint64_t position) {

@@ -2,6 +2,7 @@
 /// FileSource: the bytes of a file or pipe in order, through one small buffer that decoders may look into.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -35,6 +36,9 @@ class FileSource {
 
   /// Fills `out` unless the file ends first; returns the number of bytes written.
   Result<std::size_t> read(std::span<std::byte> out);
+
+  /// Does read() within this time find bytes, or the end? A pipe may keep one waiting.
+  bool comes_within(std::chrono::milliseconds time) const;
 
   /// Goes to a byte of the file; an error for pipes.
   Status seek(std::uint64_t position);

@@ -32,6 +32,9 @@ Result<Image> read_png(const std::string& path);
 Status write_exr(const std::string& path, std::uint32_t width, std::uint32_t height,
                  std::span<const float> rgba);
 
+/// Was this gvx built with OpenEXR?
+bool can_write_exr();
+
 /// Fails unless there are 1 to 2^28 pixels and `samples` is four times their number.
 Status check_image_size(const std::string& path, std::uint32_t width, std::uint32_t height,
                         std::size_t samples);

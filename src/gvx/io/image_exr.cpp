@@ -69,6 +69,10 @@ Status write_exr(const std::string& path, std::uint32_t width, std::uint32_t hei
   return write_file_atomically(path, stream.written);
 }
 
+bool can_write_exr() {
+  return true;
+}
+
 }  // namespace gvx::io
 
 #else
@@ -77,6 +81,10 @@ namespace gvx::io {
 
 Status write_exr(const std::string& path, std::uint32_t, std::uint32_t, std::span<const float>) {
   return file_error(path, "cannot write EXR: this gvx was built without OpenEXR");
+}
+
+bool can_write_exr() {
+  return false;
 }
 
 }  // namespace gvx::io

@@ -210,6 +210,7 @@ Result<VolumeFile> parse_nifti(const std::string& path) {
   VolumeFile file;
   file.description.path = path;
   file.description.big_endian = header.big_endian;
+  file.header_path = files.header_path;
   file.data_path = single ? files.header_path : files.data_path;
   if (pair && files.header_path == files.data_path) {
     return file_error(path, "magic: expected n+1 for a header and its samples in one file, found ni1");

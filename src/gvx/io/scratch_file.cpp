@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "gvx/core/partial_file.h"
 #include "gvx/io/header_text.h"
 
 namespace gvx::io {
@@ -20,6 +21,7 @@ Error cannot(const std::string& folder, const char* action) {
 
 /// Where the file system cannot make files without a name.
 int create_and_unlink(const std::string& folder) {
+  const auto guard = guard_file_names();
   std::string path = folder + "/gvx-scratch-XXXXXX";
   const int descriptor = ::mkostemp(path.data(), O_CLOEXEC);
   if (descriptor >= 0) ::unlink(path.c_str());
@@ -43,6 +45,10 @@ ScratchFile::ScratchFile(ScratchFile&& other) noexcept
 
 ScratchFile::~ScratchFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+std::string ScratchFile::path() const {
+  return "/proc/self/fd/" + std::to_string(descriptor_);
 }
 
 Status ScratchFile::write(std::uint64_t position, std::span<const std::byte> bytes) {

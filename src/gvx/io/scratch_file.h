@@ -1,6 +1,7 @@
 /// \file
 /// Files that hold what does not fit memory, and lists of records in them. They have no name, so that nothing
-/// is left behind however the program ends (on file systems that must name a file first: but in that moment).
+/// is left behind however the program ends (on file systems that must name a file first: unless it is killed
+/// in that moment).
 #pragma once
 
 #include <algorithm>
@@ -25,6 +26,9 @@ class ScratchFile {
   ScratchFile(ScratchFile&& other) noexcept;
   ScratchFile& operator=(ScratchFile&&) = delete;
   ~ScratchFile();
+
+  /// A name by which this process, and no other, can open the file again as long as this is there.
+  std::string path() const;
 
   /// Fails where the disk is full.
   Status write(std::uint64_t position, std::span<const std::byte> bytes);

@@ -279,6 +279,7 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reade
     }
     report_progress(samples.size());
   }
+  report.surplus = reader.surplus();
   GVX_TRY(pyramid.finish());
   report.bytes_written = writer->bytes_written();
   return report;

@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gvx/core/result.h"
 #include "gvx/core/voxel.h"
@@ -35,6 +36,8 @@ struct StoreBuildReport {
   std::uint64_t not_finite = 0;
   /// Integers wider than 24 bits or doubles lose digits as f32.
   bool rounded = false;
+  /// Files that hold more than the volume.
+  std::vector<Surplus> surplus = {};
 };
 
 /// Called with what is done of all the work, in bytes of samples, from one thread.

@@ -41,7 +41,8 @@ inline constexpr std::int64_t kSamplesAtEnd = -1;
 /// A volume and where its samples are.
 struct VolumeFile {
   VolumeDescription description;
-  std::string data_path;  ///< "-" is standard input.
+  std::string header_path = {};  ///< Where the header is, if not in description.path.
+  std::string data_path;         ///< "-" is standard input.
   Encoding encoding = Encoding::raw;
   StreamStart start;
   std::int64_t byte_skip = 0;  ///< Decoded bytes before the first sample, or kSamplesAtEnd.

@@ -1,6 +1,7 @@
 #include "gvx/io/volume_reader.h"
 
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <utility>
@@ -12,6 +13,10 @@
 
 namespace gvx::io {
 namespace {
+
+constexpr std::size_t kMostSurplus = std::size_t{1} << 20;
+// A pipe may stay open behind the last sample for as long as its writer likes.
+constexpr std::chrono::milliseconds kPatience{1000};
 
 constexpr bool kNativeBigEndian = std::endian::native == std::endian::big;
 
@@ -171,12 +176,27 @@ Status VolumeReader::read_slices(std::int64_t count, std::span<std::byte> out) {
   if (packed && count > 0 && next_slice_ == description().dimensions.z) {
     // The checksum stands behind the last byte: without one more read it would go unchecked.
     std::byte behind;
-    if (auto checked = stream_->read({&behind, 1}); !checked.ok()) return Error(checked.error());
+    GVX_ASSIGN(behind_, stream_->read({&behind, 1}));
   }
   const bool stored_big_endian =
       file_.encoding == Encoding::ascii ? kNativeBigEndian : description().big_endian;
   if (stored_big_endian != kNativeBigEndian) swap_samples(description().type, out);
   return {};
+}
+
+std::vector<Surplus> VolumeReader::surplus() {
+  if (file_.encoding == Encoding::ascii || file_.byte_skip == kSamplesAtEnd) return {};
+  Surplus surplus{stream_->name(), behind_};
+  if (const auto left = stream_->bytes_left()) {
+    surplus.bytes += *left;
+  } else if (stream_->comes_within(kPatience)) {
+    std::vector<std::byte> bytes(kMostSurplus);
+    const auto read = stream_->read(bytes);
+    surplus.bytes += read.ok() ? read.value() : 0;
+    surplus.counted = read.ok() && read.value() < bytes.size();
+  }
+  if (surplus.bytes == 0) return {};
+  return {surplus};
 }
 
 Status VolumeReader::rewind() {
@@ -188,6 +208,16 @@ Status VolumeReader::rewind() {
 Result<std::unique_ptr<VolumeReader>> open_volume(const std::string& path, const RawOptions& raw) {
   GVX_ASSIGN(VolumeFile file, describe(path, raw));
   return VolumeReader::open(std::move(file));
+}
+
+std::vector<std::string> volume_files(const std::string& path, const RawOptions& raw) {
+  std::vector<std::string> files = {path};
+  const auto described = describe(path, raw);
+  if (!described.ok()) return files;
+  for (const std::string& other : {described.value().header_path, described.value().data_path}) {
+    if (!other.empty() && other != path) files.push_back(other);
+  }
+  return files;
 }
 
 }  // namespace gvx::io

@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "gvx/core/result.h"
 #include "gvx/io/byte_stream.h"
@@ -16,6 +17,13 @@
 #include "gvx/io/volume_file.h"
 
 namespace gvx::io {
+
+/// What a file holds behind its last sample.
+struct Surplus {
+  std::string path;
+  std::uint64_t bytes = 0;
+  bool counted = true;  ///< otherwise there are more
+};
 
 /// A volume that is read slice by slice.
 class SliceReader {
@@ -34,6 +42,10 @@ class SliceReader {
 
   /// Goes back to slice 0; an error for pipes.
   virtual Status rewind() = 0;
+
+  /// To be called after the last slice: the files that hold more than the volume. No more than the first MiB
+  /// of a pipe or packed file is counted.
+  virtual std::vector<Surplus> surplus() { return {}; }
 };
 
 /// Reads the z-slices of one volume in order.
@@ -47,6 +59,7 @@ class VolumeReader final : public SliceReader {
   Status read_slices(std::int64_t count, std::span<std::byte> out) override;
   std::int64_t next_slice() const override { return next_slice_; }
   Status rewind() override;
+  std::vector<Surplus> surplus() override;
 
   /// Bytes of the data file, as it is on disk, that have been passed so far.
   std::uint64_t bytes_consumed() const { return stream_->bytes_consumed(); }
@@ -62,6 +75,7 @@ class VolumeReader final : public SliceReader {
   std::unique_ptr<ByteStream> stream_;
   std::uint64_t first_sample_ = 0;  // decoded bytes before it
   std::int64_t next_slice_ = 0;
+  std::uint64_t behind_ = 0;  // decoded bytes that were read behind the last sample
 };
 
 /// Opens .nrrd, .nhdr, .nii, .hdr/.img, .mha and .mhd (NIfTI also with .gz), and raw samples: .raw, .bin and
@@ -69,5 +83,8 @@ class VolumeReader final : public SliceReader {
 /// The spacing in `raw` replaces that of any format; its other options are an error for files that describe
 /// themselves.
 Result<std::unique_ptr<VolumeReader>> open_volume(const std::string& path, const RawOptions& raw);
+
+/// The files that open_volume() would read, as far as the header says; `path` alone where it cannot be read.
+std::vector<std::string> volume_files(const std::string& path, const RawOptions& raw);
 
 }  // namespace gvx::io

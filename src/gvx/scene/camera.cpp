@@ -7,6 +7,8 @@
 #include <optional>
 #include <string_view>
 
+#include "gvx/scene/camera_parts.h"
+
 namespace gvx::scene {
 namespace {
 
@@ -53,17 +55,27 @@ std::string vector_text(Vec3d v) {
   return number_text(v.x) + ',' + number_text(v.y) + ',' + number_text(v.z);
 }
 
+bool sound_angle(double degrees) {
+  return degrees > 0 && degrees < 180;
+}
+
+Error bad_angle() {
+  return bad_camera("fov must be between 0 and 180 degrees");
+}
+
+bool points_along_view(const Camera& camera) {
+  const Vec3d look = camera.target - camera.eye;
+  return !(length(cross(look, camera.up)) > 1e-12 * length(look) * length(camera.up));
+}
+
 }  // namespace
 
 Result<CameraView> make_view(const Camera& camera, std::uint32_t width, std::uint32_t height) {
   const Vec3d look = camera.target - camera.eye;
   const Vec3d side = cross(look, camera.up);
   if (!(length(look) > 0)) return bad_camera("eye and target are the same point");
-  if (!(length(side) > 1e-12 * length(look) * length(camera.up)))
-    return bad_camera("up points along the view");
-  if (!camera.orthographic() && !(camera.fov_degrees > 0 && camera.fov_degrees < 180)) {
-    return bad_camera("fov must be between 0 and 180 degrees");
-  }
+  if (points_along_view(camera)) return bad_camera("up points along the view");
+  if (!camera.orthographic() && !sound_angle(camera.fov_degrees)) return bad_angle();
   CameraView view;
   view.eye = Vec3d(camera.eye_world());
   view.forward = normalize(look);
@@ -77,6 +89,34 @@ Result<CameraView> make_view(const Camera& camera, std::uint32_t width, std::uin
   return view;
 }
 
+CameraParts::CameraParts(const Camera& camera) : eye(camera.eye), target(camera.target), up(camera.up) {
+  if (camera.origin != Vec3dd()) origin = camera.origin;
+  if (camera.orthographic()) {
+    height_world = camera.height_world;
+  } else {
+    fov_degrees = camera.fov_degrees;
+  }
+}
+
+Camera CameraParts::over(const Camera& base) const {
+  Camera camera = base;
+  if (origin) camera.move_origin(*origin);
+  camera.eye = eye.value_or(camera.eye);
+  camera.target = target.value_or(camera.target);
+  camera.up = up.value_or(base.up);
+  camera.fov_degrees = fov_degrees.value_or(base.fov_degrees);
+  camera.height_world = height_world.value_or(fov_degrees ? 0 : base.height_world);
+  return camera;
+}
+
+Camera with_fitting_up(Camera camera) {
+  for (const Vec3d up : {camera.up, Vec3d(0, 1, 0), Vec3d(0, 0, 1)}) {
+    camera.up = up;
+    if (!points_along_view(camera)) break;
+  }
+  return camera;
+}
+
 std::string to_text(const Camera& camera) {
   const Vec3dd& o = camera.origin;
   const bool at_zero = o == Vec3dd();
@@ -87,10 +127,8 @@ std::string to_text(const Camera& camera) {
                                 : ";fov=" + number_text(camera.fov_degrees));
 }
 
-Result<Camera> parse_camera(const std::string& text, const Camera& defaults) {
-  Camera camera = defaults;
-  std::optional<Vec3dd> origin;
-  std::optional<Vec3d> eye, target;
+Result<CameraParts> parse_camera_parts(const std::string& text) {
+  CameraParts camera;
   std::string_view rest = text;
   while (!rest.empty()) {
     const std::size_t end = std::min(rest.find(';'), rest.size());
@@ -101,26 +139,32 @@ Result<Camera> parse_camera(const std::string& text, const Camera& defaults) {
     if (equals == std::string_view::npos) return bad_camera("'" + std::string(part) + "' has no '='");
     const std::string_view name = part.substr(0, equals), value = part.substr(equals + 1);
     if (name == "origin") {
-      GVX_ASSIGN(origin, parse_vector(value, parse_long_number));
+      GVX_ASSIGN(camera.origin, parse_vector(value, parse_long_number));
     } else if (name == "eye") {
-      GVX_ASSIGN(eye, parse_vector(value, parse_number));
+      GVX_ASSIGN(camera.eye, parse_vector(value, parse_number));
     } else if (name == "target") {
-      GVX_ASSIGN(target, parse_vector(value, parse_number));
+      GVX_ASSIGN(camera.target, parse_vector(value, parse_number));
     } else if (name == "up") {
       GVX_ASSIGN(camera.up, parse_vector(value, parse_number));
     } else if (name == "fov") {
       GVX_ASSIGN(camera.fov_degrees, parse_number(value));
-      camera.height_world = 0;
+      if (!sound_angle(*camera.fov_degrees)) return bad_angle();
+      camera.height_world.reset();
     } else if (name == "height") {
       GVX_ASSIGN(camera.height_world, parse_number(value));
-      if (!(camera.height_world > 0)) return bad_camera("height must be above 0");
+      if (!(*camera.height_world > 0)) return bad_camera("height must be above 0");
+      camera.fov_degrees.reset();
     } else {
       return bad_camera("unknown part '" + std::string(name) + "'");
     }
   }
-  if (origin) camera.move_origin(*origin);
-  camera.eye = eye.value_or(camera.eye);
-  camera.target = target.value_or(camera.target);
+  return camera;
+}
+
+Result<Camera> parse_camera(const std::string& text, const Camera& defaults) {
+  GVX_ASSIGN(const CameraParts parts, parse_camera_parts(text));
+  Camera camera = parts.over(defaults);
+  if (!parts.up) camera = with_fitting_up(camera);
   GVX_ASSIGN(const CameraView checked, make_view(camera, 1, 1));
   (void)checked;
   return camera;

@@ -63,8 +63,8 @@ Result<CameraView> make_view(const Camera& camera, std::uint32_t width, std::uin
 /// precision; with "origin=x,y,z;" before it where that is not 0.
 std::string to_text(const Camera& camera);
 
-/// Reads what to_text writes; parts may be left out and keep the value they have in `defaults`. The target
-/// beside an origin is that origin if not given.
+/// Reads what to_text writes; parts may be left out and are those of `defaults`, but for an up that points
+/// along the view (camera_parts.h). The target beside an origin is that origin if not given.
 Result<Camera> parse_camera(const std::string& text, const Camera& defaults);
 
 /// Frames the world-space image of the box `extent` from a little to one side and above; an anatomical volume

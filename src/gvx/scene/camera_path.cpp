@@ -5,6 +5,8 @@
 #include <numbers>
 #include <string>
 
+#include "gvx/scene/camera_parts.h"
+
 namespace gvx::scene {
 namespace {
 
@@ -92,7 +94,8 @@ Camera CameraPath::at(double frame) const {
   camera.up = normalize(between([](const Camera& c) { return normalize(c.up); }));
   camera.fov_degrees = between([](const Camera& c) { return c.fov_degrees; });
   camera.height_world = between([](const Camera& c) { return c.height_world; });
-  return camera;
+  // Where the view swings through it.
+  return with_fitting_up(camera);
 }
 
 Camera zoom(const Camera& camera, double factor) {

@@ -92,6 +92,14 @@ TEST(CameraPath, interpolates_the_height_of_orthographic_cameras) {
   EXPECT_NEAR(path.at(1).height_world, 12.5, 1e-12);
 }
 
+TEST(CameraPath, a_view_that_swings_through_up_stays_one) {
+  Camera side = key(0, {0, 9, 0}).camera, above = key(0, {0, 0, 9}).camera;
+  above.up = {0, 1, 0};
+  const CameraPath path = CameraPath::create({{0, side}, {2, above}}).value();
+  for (double frame = 0; frame <= 2; frame += 0.125)
+    EXPECT_TRUE(make_view(path.at(frame), 1, 1).ok()) << frame;
+}
+
 TEST(CameraPath, bad_paths_are_errors_that_name_the_key_frame) {
   KeyFrame flat = key(9, {3, 0, 0});
   flat.camera.height_world = 4;

@@ -26,6 +26,21 @@ TEST(Camera, bad_texts_are_errors_that_say_what) {
   }
 }
 
+TEST(Camera, an_up_that_was_not_given_is_not_along_the_view) {
+  const Camera z_up{{1, 2, 3}, {0, 0, 0}, {0, 0, 1}, 30, 0};
+  for (const char* above : {"eye=0.5,0.5,3;target=0.5,0.5,0", "eye=0,0,-2", "origin=1,1,1;eye=0,0,1e-9"}) {
+    EXPECT_EQ(parse_camera(above, z_up).value().up, Vec3d(0, 1, 0)) << above;
+  }
+  EXPECT_EQ(parse_camera("eye=0,7,0", z_up).value().up, Vec3d(0, 0, 1));
+  EXPECT_EQ(parse_camera("eye=0,7,0", Camera{}).value().up, Vec3d(0, 0, 1));
+  EXPECT_EQ(parse_camera("eye=0,1e-3,7", z_up).value().up, Vec3d(0, 0, 1));
+  EXPECT_FALSE(parse_camera("eye=0,0,7;up=0,0,1", z_up).ok());
+  EXPECT_FALSE(parse_camera("up=0,0,0", z_up).ok());
+  const Camera flat = parse_camera("eye=0,0,7;height=5", z_up).value();
+  EXPECT_EQ(flat.up, Vec3d(0, 1, 0));
+  EXPECT_TRUE(make_view(flat, 1, 1).ok());
+}
+
 TEST(Camera, centre_ray_meets_the_target_and_pixels_are_as_wide_as_said) {
   const Camera camera{{3, 2, 1}, {-1, 0, 4}, {0, 1, 0}, 40, 0};
   const CameraView view = make_view(camera, 64, 48).value();

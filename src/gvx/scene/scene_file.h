@@ -12,6 +12,7 @@
 #include "gvx/core/ray.h"
 #include "gvx/core/result.h"
 #include "gvx/core/vec.h"
+#include "gvx/scene/camera_parts.h"
 #include "gvx/scene/camera_path.h"
 #include "gvx/scene/lighting.h"
 #include "gvx/scene/transfer_function.h"
@@ -46,19 +47,6 @@ struct GenerateParts {
   std::optional<bool> in_march;  ///< noise is added as rays march, not in bricks
 
   bool operator==(const GenerateParts&) const = default;
-};
-
-struct CameraParts {
-  std::optional<Vec3dd> origin;  ///< if there, and no target, that is the target
-  std::optional<Vec3d> eye, target, up;
-  std::optional<double> fov_degrees, height_world;  ///< at most one of them
-
-  CameraParts() = default;
-  /// All parts of it.
-  explicit CameraParts(const Camera& camera);
-  /// `base` with the parts that are there.
-  Camera over(const Camera& base) const;
-  bool operator==(const CameraParts&) const = default;
 };
 
 struct KeyFrameParts {

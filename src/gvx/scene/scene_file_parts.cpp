@@ -122,26 +122,6 @@ void write(const Json& value, std::string& text, const std::string& indent) {
 
 }  // namespace
 
-CameraParts::CameraParts(const Camera& camera) : eye(camera.eye), target(camera.target), up(camera.up) {
-  if (camera.origin != Vec3dd()) origin = camera.origin;
-  if (camera.orthographic()) {
-    height_world = camera.height_world;
-  } else {
-    fov_degrees = camera.fov_degrees;
-  }
-}
-
-Camera CameraParts::over(const Camera& base) const {
-  Camera camera = base;
-  if (origin) camera.move_origin(*origin);
-  camera.eye = eye.value_or(camera.eye);
-  camera.target = target.value_or(camera.target);
-  camera.up = up.value_or(base.up);
-  camera.fov_degrees = fov_degrees.value_or(base.fov_degrees);
-  camera.height_world = height_world.value_or(fov_degrees ? 0 : base.height_world);
-  return camera;
-}
-
 Result<TransferFunction> FunctionParts::over(TransferFunction base) const {
   if (!colors.empty()) base.colors = colors;
   if (!opacities.empty()) base.opacities = opacities;

@@ -4,54 +4,26 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "gvx/store/codec.h"
 
 namespace gvx::store {
 
-StoreWriter::StoreWriter(std::string path, int descriptor, const TreeShape& shape)
-    : path_(std::move(path)),
-      partial_path_(path_ + ".partial"),
-      descriptor_(descriptor),
+StoreWriter::StoreWriter(PartialFile file, const TreeShape& shape)
+    : file_(std::move(file)),
+      partial_path_(file_.name()),
+      descriptor_(file_.descriptor()),
       shape_(shape),
       directory_(shape.pages_before(shape.levels)) {}
 
 StoreWriter::~StoreWriter() {
-  if (descriptor_ < 0) return;
   (void)wait_for_writing();
-  unlink(partial_path_.c_str());
-  close(descriptor_);
 }
 
 Result<std::unique_ptr<StoreWriter>> StoreWriter::create(const std::string& path, const TreeShape& shape) {
-  const std::string partial = path + ".partial";
-  int descriptor = -1;
-  while (true) {
-    descriptor = open(partial.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (descriptor < 0) return Error{partial + ": cannot create: " + std::strerror(errno)};
-    // The lock tells a build that is running from one that was killed: the latter's remains are overwritten.
-    if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-      close(descriptor);
-      return Error{partial + ": another build is writing this file"};
-    }
-    // Another build may have finished in between, and what was opened be its store by now.
-    struct stat opened {
-    }, named{};
-    const bool same = fstat(descriptor, &opened) == 0 && stat(partial.c_str(), &named) == 0 &&
-                      opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
-    if (same) break;
-    close(descriptor);
-  }
-  if (ftruncate(descriptor, 0) != 0) {
-    const int reason = errno;
-    close(descriptor);
-    return Error{partial + ": cannot empty: " + std::strerror(reason)};
-  }
-  return std::unique_ptr<StoreWriter>(new StoreWriter(path, descriptor, shape));
+  GVX_ASSIGN(PartialFile file, PartialFile::create(path));
+  return std::unique_ptr<StoreWriter>(new StoreWriter(std::move(file), shape));
 }
 
 Status StoreWriter::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
@@ -177,12 +149,7 @@ Status StoreWriter::finish(const VolumeInfo& info) {
   GVX_TRY(write_at(0, header_bytes));
 
   if (fsync(descriptor_) != 0) return Error{partial_path_ + ": cannot write: " + std::strerror(errno)};
-  if (rename(partial_path_.c_str(), path_.c_str()) != 0) {
-    return Error{path_ + ": cannot name the finished file: " + std::strerror(errno)};
-  }
-  close(descriptor_);
-  descriptor_ = -1;
-  return {};
+  return file_.commit();
 }
 
 }  // namespace gvx::store

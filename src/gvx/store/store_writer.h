@@ -1,6 +1,7 @@
 /// \file
 /// StoreWriter puts bricks and index pages into a .gvx file. The file is written under the name PATH.partial
 /// and gets its own name when it is whole and on disk, so what is called PATH is always a finished store.
+/// Where PATH is that of an open descriptor of a file, such as /dev/fd/5, the store is written there.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "gvx/core/partial_file.h"
 #include "gvx/core/result.h"
 #include "gvx/store/format.h"
 
@@ -41,15 +43,15 @@ class StoreWriter {
   std::uint64_t bytes_written() const { return end_; }
 
  private:
-  StoreWriter(std::string path, int descriptor, const TreeShape& shape);
+  StoreWriter(PartialFile file, const TreeShape& shape);
   Status append(std::span<const std::byte> bytes);
   Status write_pending();
   Status wait_for_writing();
   Status write_at(std::uint64_t offset, std::span<const std::byte> bytes);
 
-  std::string path_;
-  std::string partial_path_;
-  int descriptor_;
+  PartialFile file_;
+  std::string partial_path_;  // its name
+  int descriptor_;            // of it
   TreeShape shape_;
   std::uint64_t end_ = sizeof(FileHeader);
   std::vector<std::byte> pending_;        // appended, but not written yet: the last before end_

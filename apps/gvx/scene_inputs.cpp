@@ -1,0 +1,34 @@
+#include "scene_inputs.h"
+
+#include <filesystem>
+
+#include "built_in_scenes.h"
+#include "gvx/io/mesh.h"
+#include "gvx/io/mesh_parts.h"
+#include "gvx/io/volume_reader.h"
+#include "scene_view.h"
+
+namespace gvx::app {
+
+std::vector<std::string> files_of(const std::string& input, const io::RawOptions& raw) {
+  std::error_code error;
+  // To look into a pipe would take away what is in it.
+  if (!std::filesystem::is_regular_file(input, error)) return {input};
+  return io::is_mesh_name(input) ? io::mesh_files(input) : io::volume_files(input, raw);
+}
+
+std::vector<std::string> files_of_scene(const std::string& scene_path, const scene::SceneFile& scene,
+                                        const std::string& proxy) {
+  std::vector<std::string> files = {scene_path};
+  const auto add = [&](const std::vector<std::string>& more) {
+    files.insert(files.end(), more.begin(), more.end());
+  };
+  if (scene.volume) add(files_of(scene.volume->substr(file_position(*scene.volume)), raw_options(scene.raw)));
+  for (const scene::FunctionParts& function : scene.functions) {
+    if (!function.from.empty()) files.push_back(function.from);
+  }
+  if (!proxy.empty()) add(files_of(proxy, {}));
+  return files;
+}
+
+}  // namespace gvx::app

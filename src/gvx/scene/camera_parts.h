@@ -1,0 +1,36 @@
+/// \file
+/// CameraParts: what is said of a camera, in a scene file or on a command line. The rest is chosen.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "gvx/core/double_double.h"
+#include "gvx/core/result.h"
+#include "gvx/core/vec.h"
+#include "gvx/scene/camera.h"
+
+namespace gvx::scene {
+
+/// A camera of which some is said.
+struct CameraParts {
+  std::optional<Vec3dd> origin;  ///< if there, and no target, that is the target
+  std::optional<Vec3d> eye, target, up;
+  std::optional<double> fov_degrees, height_world;  ///< at most one of them
+
+  CameraParts() = default;
+  /// All parts of it.
+  explicit CameraParts(const Camera& camera);
+  /// `base` with the parts that are there.
+  Camera over(const Camera& base) const;
+  bool operator==(const CameraParts&) const = default;
+};
+
+/// The camera with another up where its own points along the view: y, or z where the view is along y. For an
+/// up that nobody asked for.
+Camera with_fitting_up(Camera camera);
+
+/// Reads what to_text writes; parts may be left out.
+Result<CameraParts> parse_camera_parts(const std::string& text);
+
+}  // namespace gvx::scene
