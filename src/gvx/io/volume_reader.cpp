@@ -1,5 +1,6 @@
 #include "gvx/io/volume_reader.h"
 
+#include <algorithm>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -175,8 +176,9 @@ Status VolumeReader::read_slices(std::int64_t count, std::span<std::byte> out) {
   const bool packed = file_.encoding == Encoding::gzip || file_.encoding == Encoding::bzip2;
   if (packed && count > 0 && next_slice_ == description().dimensions.z) {
     // The checksum stands behind the last byte: without one more read it would go unchecked.
-    std::byte behind;
-    GVX_ASSIGN(behind_, stream_->read({&behind, 1}));
+    behind_.resize(1);
+    GVX_ASSIGN(const std::size_t more, stream_->read(behind_));
+    behind_.resize(more);
   }
   const bool stored_big_endian =
       file_.encoding == Encoding::ascii ? kNativeBigEndian : description().big_endian;
@@ -186,20 +188,25 @@ Status VolumeReader::read_slices(std::int64_t count, std::span<std::byte> out) {
 
 std::vector<Surplus> VolumeReader::surplus() {
   if (file_.encoding == Encoding::ascii || file_.byte_skip == kSamplesAtEnd) return {};
-  Surplus surplus{stream_->name(), behind_};
-  if (const auto left = stream_->bytes_left()) {
-    surplus.bytes += *left;
-  } else if (stream_->comes_within(kPatience)) {
-    std::vector<std::byte> bytes(kMostSurplus);
-    const auto read = stream_->read(bytes);
-    surplus.bytes += read.ok() ? read.value() : 0;
-    surplus.counted = read.ok() && read.value() < bytes.size();
+  const std::optional<std::uint64_t> left = stream_->bytes_left();
+  const std::size_t known = behind_.size();
+  bool counted = true;
+  if (left || stream_->comes_within(kPatience)) {
+    behind_.resize(
+        known + static_cast<std::size_t>(std::min<std::uint64_t>(left.value_or(kMostSurplus), kMostSurplus)));
+    const auto read = stream_->read(std::span(behind_).subspan(known));
+    counted = read.ok() && known + read.value() < behind_.size();
+    behind_.resize(known + (read.ok() ? read.value() : 0));
   }
-  if (surplus.bytes == 0) return {};
-  return {surplus};
+  const bool line_end = behind_.size() <= 2 && std::all_of(behind_.begin(), behind_.end(), [](std::byte b) {
+                          return b == std::byte{'\n'} || b == std::byte{'\r'};
+                        });
+  if (line_end) return {};
+  return {{stream_->name(), left ? known + *left : behind_.size(), left || counted}};
 }
 
 Status VolumeReader::rewind() {
+  behind_.clear();
   GVX_TRY(stream_->rewind());
   next_slice_ = 0;
   return skip_to_first_sample();

@@ -43,8 +43,8 @@ class SliceReader {
   /// Goes back to slice 0; an error for pipes.
   virtual Status rewind() = 0;
 
-  /// To be called after the last slice: the files that hold more than the volume. No more than the first MiB
-  /// of a pipe or packed file is counted.
+  /// To be called after the last slice: the files that hold more than the volume, and more than a line end.
+  /// No more than the first MiB of a pipe or packed file is counted.
   virtual std::vector<Surplus> surplus() { return {}; }
 };
 
@@ -75,7 +75,7 @@ class VolumeReader final : public SliceReader {
   std::unique_ptr<ByteStream> stream_;
   std::uint64_t first_sample_ = 0;  // decoded bytes before it
   std::int64_t next_slice_ = 0;
-  std::uint64_t behind_ = 0;  // decoded bytes that were read behind the last sample
+  std::vector<std::byte> behind_;  // decoded bytes that were read behind the last sample
 };
 
 /// Opens .nrrd, .nhdr, .nii, .hdr/.img, .mha and .mhd (NIfTI also with .gz), and raw samples: .raw, .bin and
