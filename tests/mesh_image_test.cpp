@@ -33,7 +33,7 @@ struct Seen {
 Seen seen_by_embree(const io::TriangleMesh& mesh, std::uint32_t size, double height) {
   const auto query = produce::MeshQuery::create(mesh).value();
   Seen seen{std::vector<bool>(std::size_t(size) * size), {}};
-  std::vector<float> crossings;
+  std::vector<produce::MeshQuery::Crossing> crossings;
   for (std::uint32_t j = 0; j < size; ++j) {
     for (std::uint32_t i = 0; i < size; ++i) {
       const double y = (0.5 - (i + 0.5) / size) * height, z = (0.5 - (j + 0.5) / size) * height;
@@ -41,7 +41,7 @@ Seen seen_by_embree(const io::TriangleMesh& mesh, std::uint32_t size, double hei
       query->crossings(from, 0, crossings);
       if (crossings.empty()) continue;
       seen.hit[j * size + i] = true;
-      const auto at = query->nearest(from + Vec3f(crossings[0], 0, 0), 0.01f).value();
+      const auto at = query->nearest(from + Vec3f(crossings[0].distance, 0, 0), 0.01f).value();
       const auto& t = mesh.triangles[at.triangle];
       const Vec3d a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
       const Vec3d normal = normalize(cross(b - a, c - a));

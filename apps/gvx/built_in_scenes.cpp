@@ -104,8 +104,9 @@ Result<MeshScene> open_mesh(const std::string& path, double margin, produce::Tre
   produce::PlacedMesh placed = produce::PlacedMesh::in_cube(std::move(mesh), margin);
   tree.tree_to_world = placed.tree_to_world;
   tree.extent = placed.extent;
+  const produce::InsideRule rule = produce::settle_inside(placed.mesh);
   GVX_ASSIGN(std::shared_ptr<const produce::MeshQuery> query,
-             produce::MeshQuery::create(std::move(placed.mesh)));
+             produce::MeshQuery::create(std::move(placed.mesh), rule));
   return MeshScene{std::move(query), tree};
 }
 

@@ -78,15 +78,17 @@ Result<nlohmann::json> describe_volume(const std::string& path, const io::RawOpt
 Result<nlohmann::json> describe_mesh(const std::string& path) {
   std::error_code error;
   const std::string folder = std::filesystem::temp_directory_path(error).string();
-  GVX_ASSIGN(const auto mesh, produce::spool_mesh(path, folder.empty() ? "." : folder, 1ull << 30,
-                                                  produce::MeshSpool::Keep::summary_only, {}));
+  GVX_ASSIGN(const auto mesh, produce::spool_mesh(path, folder.empty() ? "." : folder, 1ull << 30, {}));
   const produce::MeshSummary& summary = mesh->summary();
   return nlohmann::json{{"format", "mesh"},
                         {"vertices", summary.vertices},
                         {"triangles", summary.triangles},
                         {"dropped_triangles", summary.dropped},
+                        {"doubled_triangles", summary.doubled},
                         {"colors", summary.colors},
-                        {"closed", summary.closed},
+                        {"closed", summary.closed()},
+                        {"wound_alike", summary.inside == produce::InsideRule::winding},
+                        {"unused", summary.unused},
                         {"minimum", list(summary.bounds.minimum)},
                         {"maximum", list(summary.bounds.maximum)}};
 }
@@ -105,11 +107,15 @@ void print(const std::string& path, const nlohmann::json& j) {
   row("format", j["format"]);
   if (j.contains("triangles")) {
     row("triangles",
-        j["triangles"].dump() + ", and " + j["dropped_triangles"].dump() + " that cover nothing");
+        j["triangles"].dump() + ", and " + j["dropped_triangles"].dump() + " that cover nothing" +
+            (j["doubled_triangles"] != 0 ? ", " + j["doubled_triangles"].dump() + " there twice" : ""));
     row("vertices", j["vertices"].dump() + (j["colors"] ? ", with colours" : ""));
-    row("surface", j["closed"] ? "closed" : "open");
+    row("surface", !j["closed"] ? "open" : j["wound_alike"] ? "closed" : "closed, faces not wound alike");
     row("from", joined(j["minimum"], ", "));
     row("to", joined(j["maximum"], ", "));
+    std::string unused;
+    for (const std::string what : j["unused"]) unused += (unused.empty() ? "" : ", ") + what;
+    if (!unused.empty()) row("not used", unused);
     return;
   }
   row("voxels", joined(j["dimensions"], " x ") + " " + j["type"].get<std::string>());

@@ -1,9 +1,10 @@
 #include "mesh_build.h"
 
-#include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
+#include "messages.h"
 #include "progress.h"
 
 namespace gvx::app {
@@ -32,6 +33,32 @@ MeshFlags::Fill MeshFlags::fill() const {
   return !fill_ ? Fill::automatic : *fill_ == "solid" ? Fill::solid : Fill::shell;
 }
 
+std::string mesh_notes(const produce::MeshSummary& summary, bool solid) {
+  std::vector<std::string> notes;
+  const auto counted = [](std::uint64_t count, const char* one, const char* several) {
+    return std::to_string(count) + (count == 1 ? one : several);
+  };
+  if (summary.dropped > 0) {
+    notes.push_back(counted(summary.dropped, " triangle covers", " triangles cover") + " nothing; left out");
+  }
+  if (summary.doubled > 0) {
+    notes.push_back(counted(summary.doubled, " triangle is", " triangles are") +
+                    " there twice; counted once");
+  }
+  if (solid && summary.inside == produce::InsideRule::parity) {
+    notes.emplace_back(
+        "faces are not wound alike: filled by the even-odd rule, which leaves out what parts share");
+  }
+  if (!summary.unused.empty()) {
+    std::string list;
+    for (const std::string& what : summary.unused) list += (list.empty() ? "" : ", ") + what;
+    notes.push_back("not used: " + list);
+  }
+  std::string text;
+  for (const std::string& note : notes) text += (text.empty() ? "" : "; ") + note;
+  return text;
+}
+
 Result<produce::MeshStoreReport> build_mesh(const exec::Device& cpu, const std::string& path,
                                             const std::string& output, produce::MeshStoreOptions options,
                                             MeshFlags::Fill fill, const std::string& title,
@@ -45,18 +72,18 @@ Result<produce::MeshStoreReport> build_mesh(const exec::Device& cpu, const std::
     progress->show(done, all);
   };
   GVX_ASSIGN(const auto mesh,
-             produce::spool_mesh(path, folder, options.memory_bytes, produce::MeshSpool::Keep::triangles,
+             produce::spool_mesh(path, folder, options.memory_bytes,
                                  [&](std::uint64_t done, std::uint64_t all) { show("reading", done, all); }));
   const produce::MeshSummary& summary = mesh->summary();
-  options.solid = fill != MeshFlags::Fill::shell && summary.closed;
+  options.solid = fill != MeshFlags::Fill::shell && summary.closed();
   if (fill == MeshFlags::Fill::solid && !options.solid) {
     return Error{path + ": the mesh is not closed, so it has no inside (--fill shell)"};
   }
   options.source = std::filesystem::path(path).filename().string();
-  if (summary.dropped > 0) {
+  const std::string notes = mesh_notes(summary, options.solid);
+  if (!notes.empty()) {
     progress.reset();
-    std::fprintf(stderr, "gvx: %s: %llu triangles cover nothing; they are left out\n", path.c_str(),
-                 static_cast<unsigned long long>(summary.dropped));
+    warn(path + ": " + notes);
   }
   return produce::build_mesh_store(cpu, *mesh, output, options, show);
 }

@@ -3,46 +3,56 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "gvx/io/header_text.h"
+#include "gvx/io/mesh_gltf.h"
+#include "gvx/io/mesh_obj.h"
 #include "gvx/io/mesh_ply.h"
-
-#if defined(GVX_WITH_ASSIMP)
-#include <assimp/Importer.hpp>
-
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
-#endif
+#include "gvx/io/mesh_stl.h"
+#include "gvx/io/polygon.h"
 
 namespace gvx::io {
 namespace {
 
-constexpr std::array<const char*, 6> kEndings = {".ply", ".ply.gz", ".obj", ".stl", ".gltf", ".glb"};
+struct MeshFormat {
+  const char* ending;
+  Status (*stream)(const std::string& path, MeshSink& sink, const MeshProgress& progress);
+};
 
-bool ends_as(const std::string& path, const char* ending) {
-  return lower_case(path).ends_with(ending);
-}
+constexpr std::array<MeshFormat, 6> kFormats = {{{".ply", stream_ply},
+                                                 {".ply.gz", stream_ply},
+                                                 {".obj", stream_obj},
+                                                 {".stl", stream_stl},
+                                                 {".gltf", stream_gltf},
+                                                 {".glb", stream_gltf}}};
 
-bool is_ply(const std::string& path) {
-  return ends_as(path, ".ply") || ends_as(path, ".ply.gz");
+const MeshFormat* format_of(const std::string& path) {
+  const std::string name = lower_case(path);
+  const auto found = std::find_if(kFormats.begin(), kFormats.end(),
+                                  [&](const MeshFormat& format) { return name.ends_with(format.ending); });
+  return found == kFormats.end() ? nullptr : &*found;
 }
 
 /// Keeps what covers anything, and counts what does not.
 class MeshCollector final : public MeshSink {
  public:
-  Status add_vertices(std::span<const Vec3f> places, std::span<const Vec3f> colors) override {
-    mesh_.vertices.insert(mesh_.vertices.end(), places.begin(), places.end());
-    mesh_.colors.insert(mesh_.colors.end(), colors.begin(), colors.end());
+  Status add_vertices(std::span<const Vec3d> places, std::span<const Vec3f> colors) override {
+    places_.insert(places_.end(), places.begin(), places.end());
+    if (!colors.empty()) {
+      colors_.resize(places_.size() - places.size(), Vec3f(0.8f));
+      colors_.insert(colors_.end(), colors.begin(), colors.end());
+    } else if (!colors_.empty()) {
+      colors_.resize(places_.size(), Vec3f(0.8f));
+    }
     return {};
   }
 
-  Status add_triangles(std::span<const Triangle> triangles) override {
+  Status add_triangles(std::span<const Triangle> triangles, std::span<const Vec3f>) override {
     for (const Triangle& t : triangles) {
-      const bool there =
-          std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return v < mesh_.vertices.size(); });
-      if (there && has_area(mesh_.vertices[t[0]], mesh_.vertices[t[1]], mesh_.vertices[t[2]])) {
-        mesh_.triangles.push_back(t);
+      const bool there = std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return v < places_.size(); });
+      if (there && has_area(places_[t[0]], places_[t[1]], places_[t[2]])) {
+        triangles_.push_back(t);
       } else {
         ++dropped_;
       }
@@ -50,104 +60,90 @@ class MeshCollector final : public MeshSink {
     return {};
   }
 
+  Result<Vec3d> place(std::uint32_t vertex) override {
+    return vertex < places_.size() ? places_[vertex] : Vec3d(std::numeric_limits<double>::quiet_NaN());
+  }
+
+  void pass_over(const std::string&) override {}
+
   std::uint64_t dropped() const { return dropped_; }
 
   /// Without vertices that no triangle has.
   TriangleMesh take() {
     constexpr std::uint32_t kUnused = UINT32_MAX;
-    std::vector<std::uint32_t> place(mesh_.vertices.size(), kUnused);
+    std::vector<std::uint32_t> index(places_.size(), kUnused);
     TriangleMesh used;
-    for (Triangle& triangle : mesh_.triangles) {
+    used.origin = origin();
+    for (Triangle& triangle : triangles_) {
       for (std::uint32_t& v : triangle) {
-        if (place[v] == kUnused) {
-          place[v] = static_cast<std::uint32_t>(used.vertices.size());
-          used.vertices.push_back(mesh_.vertices[v]);
-          if (!mesh_.colors.empty()) used.colors.push_back(mesh_.colors[v]);
+        if (index[v] == kUnused) {
+          index[v] = static_cast<std::uint32_t>(used.vertices.size());
+          used.vertices.emplace_back(places_[v] - used.origin);
+          if (!colors_.empty()) used.colors.push_back(colors_[v]);
         }
-        v = place[v];
+        v = index[v];
       }
     }
-    used.triangles = std::move(mesh_.triangles);
+    used.triangles = std::move(triangles_);
     return used;
   }
 
  private:
-  TriangleMesh mesh_;
+  /// The mesh's least corner where that is farther from 0 than the mesh is large.
+  Vec3d origin() const {
+    Box3d box{Vec3d(INFINITY), Vec3d(-INFINITY)};
+    double farthest = 0;
+    for (const Triangle& triangle : triangles_) {
+      for (const std::uint32_t v : triangle) {
+        for (int axis = 0; axis < 3; ++axis) {
+          box.minimum[axis] = std::min(box.minimum[axis], places_[v][axis]);
+          box.maximum[axis] = std::max(box.maximum[axis], places_[v][axis]);
+          farthest = std::max(farthest, std::fabs(places_[v][axis]));
+        }
+      }
+    }
+    return farthest > 2 * max_component(box.maximum - box.minimum) && !box.empty() ? box.minimum : Vec3d();
+  }
+
+  std::vector<Vec3d> places_;
+  std::vector<Vec3f> colors_;
+  std::vector<Triangle> triangles_;
   std::uint64_t dropped_ = 0;
 };
 
-#if defined(GVX_WITH_ASSIMP)
-/// Hands over one part, which stands where it belongs; `first` vertices came before it.
-Status hand_over(const aiMesh& part, bool any_colors, std::uint32_t first, MeshSink& sink) {
-  std::vector<Vec3f> places, colors;
-  for (unsigned v = 0; v < part.mNumVertices; ++v) {
-    const aiVector3D& p = part.mVertices[v];
-    places.emplace_back(p.x, p.y, p.z);
-    if (!any_colors) continue;
-    const aiColor4D color = part.HasVertexColors(0) ? part.mColors[0][v] : aiColor4D(0.8f, 0.8f, 0.8f, 1);
-    const auto held = [](float c) { return std::isfinite(c) ? std::clamp(c, 0.0f, 1.0f) : 0.0f; };
-    colors.emplace_back(held(color.r), held(color.g), held(color.b));
-  }
-  GVX_TRY(sink.add_vertices(places, colors));
-  std::vector<Triangle> triangles;
-  for (unsigned f = 0; f < part.mNumFaces; ++f) {
-    const aiFace& face = part.mFaces[f];
-    if (face.mNumIndices != 3) continue;
-    Triangle& triangle = triangles.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      triangle[k] = face.mIndices[k] < part.mNumVertices ? first + face.mIndices[k] : UINT32_MAX;
-    }
-  }
-  return sink.add_triangles(triangles);
-}
-
-Status import(const std::string& path, MeshSink& sink) {
-  Assimp::Importer importer;
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  // Only what makes the surface is of use here.
-  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
-                              aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
-                                  aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
-                                  aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS |
-                                  aiComponent_MATERIALS);
-  const aiScene* scene =
-      importer.ReadFile(path, aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_SortByPType |
-                                  aiProcess_PreTransformVertices | aiProcess_JoinIdenticalVertices);
-  if (scene == nullptr) {
-    std::string reason = importer.GetErrorString();
-    std::replace(reason.begin(), reason.end(), '\n', ' ');
-    return Error{path + ": not a mesh that can be read: " + reason};
-  }
-  bool any_colors = false;
-  for (unsigned i = 0; i < scene->mNumMeshes; ++i) any_colors |= scene->mMeshes[i]->HasVertexColors(0);
-  std::uint32_t vertices = 0;
-  for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
-    GVX_TRY(hand_over(*scene->mMeshes[i], any_colors, vertices, sink));
-    vertices += scene->mMeshes[i]->mNumVertices;
-  }
-  return {};
-}
-#else
-Status import(const std::string& path, MeshSink&) {
-  return Error{path + ": of meshes this build reads only PLY: it was made without assimp"};
-}
-#endif
-
 }  // namespace
 
-bool has_area(Vec3f a, Vec3f b, Vec3f c) {
+bool has_area(Vec3d a, Vec3d b, Vec3d c) {
   // Infinite or undefined where a place is.
-  const double twice = length(cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a)));
+  const double twice = length(cross(b - a, c - a));
   return twice > 0 && std::isfinite(twice);
+}
+
+Status cut_polygon(MeshSink& sink, std::span<const std::uint32_t> corners, std::vector<Triangle>& triangles) {
+  if (corners.size() == 3) triangles.push_back({corners[0], corners[1], corners[2]});
+  if (corners.size() < 4) return {};
+  std::vector<std::uint32_t> ring;
+  std::vector<Vec3d> places;
+  for (const std::uint32_t v : corners) {
+    // A corner that is repeated has no side of its own.
+    if (ring.empty() ? v == corners.back() : v == ring.back()) continue;
+    ring.push_back(v);
+    GVX_ASSIGN(places.emplace_back(), sink.place(v));
+  }
+  std::vector<Triangle> cut;
+  cut_polygon(places, cut);
+  for (const auto& [a, b, c] : cut) triangles.push_back({ring[a], ring[b], ring[c]});
+  return {};
 }
 
 Box3d TriangleMesh::bounds() const {
   Box3d box{Vec3d(INFINITY), Vec3d(-INFINITY)};
   for (const auto& triangle : triangles) {
     for (const std::uint32_t v : triangle) {
+      const Vec3d at = place(v);
       for (int axis = 0; axis < 3; ++axis) {
-        box.minimum[axis] = std::min(box.minimum[axis], double(vertices[v][axis]));
-        box.maximum[axis] = std::max(box.maximum[axis], double(vertices[v][axis]));
+        box.minimum[axis] = std::min(box.minimum[axis], at[axis]);
+        box.maximum[axis] = std::max(box.maximum[axis], at[axis]);
       }
     }
   }
@@ -155,19 +151,19 @@ Box3d TriangleMesh::bounds() const {
 }
 
 bool is_mesh_name(const std::string& path) {
-  return std::any_of(kEndings.begin(), kEndings.end(),
-                     [&](const char* ending) { return ends_as(path, ending); });
+  return format_of(path) != nullptr;
 }
 
 Status stream_mesh(const std::string& path, MeshSink& sink, const MeshProgress& progress) {
-  if (!is_mesh_name(path)) {
+  const MeshFormat* format = format_of(path);
+  if (format == nullptr) {
     std::string known;
-    for (const char* ending : kEndings) known += std::string(known.empty() ? "" : ", ") + ending;
+    for (const MeshFormat& one : kFormats) known += std::string(known.empty() ? "" : ", ") + one.ending;
     return Error{path + ": not a mesh by its name, which would end in one of " + known};
   }
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return Error{path + ": cannot open: no such file"};
-  return is_ply(path) ? stream_ply(path, sink, progress) : import(path, sink);
+  return format->stream(path, sink, progress);
 }
 
 Result<TriangleMesh> read_mesh(const std::string& path, MeshReport* report) {
@@ -175,8 +171,14 @@ Result<TriangleMesh> read_mesh(const std::string& path, MeshReport* report) {
   GVX_TRY(stream_mesh(path, collector));
   if (report != nullptr) report->dropped = collector.dropped();
   TriangleMesh mesh = collector.take();
-  if (mesh.triangles.empty()) return Error{path + ": there is no triangle in it"};
+  if (mesh.triangles.empty()) return no_triangle(path, collector.dropped());
   return mesh;
+}
+
+Error no_triangle(const std::string& path, std::uint64_t dropped) {
+  if (dropped == 0) return Error{path + ": there is no triangle in it"};
+  return Error{path + ": there is no triangle in it that covers anything; " + std::to_string(dropped) +
+               " are without an area or of vertices that are not there or no finite numbers"};
 }
 
 }  // namespace gvx::io

@@ -19,15 +19,19 @@ namespace gvx::io {
 using Triangle = std::array<std::uint32_t, 3>;
 
 /// Does a triangle cover anything? Not where a corner is no finite place or all lie on a line.
-bool has_area(Vec3f a, Vec3f b, Vec3f c);
+bool has_area(Vec3d a, Vec3d b, Vec3d c);
 
 /// Every index is that of a vertex, and every vertex is finite.
 struct TriangleMesh {
-  std::vector<Vec3f> vertices;
+  std::vector<Vec3f> vertices;  ///< from `origin` on
   std::vector<Triangle> triangles;
   std::vector<Vec3f> colors;  ///< of the vertices, display red, green, blue, 0 to 1; none: no colours
+  /// Not 0 where a mesh is so far from 0 that single precision would lose its shape.
+  Vec3d origin;
 
-  /// The least box that holds all triangles.
+  Vec3d place(std::uint32_t vertex) const { return origin + Vec3d(vertices[vertex]); }
+
+  /// The least box that holds all triangles, at their places.
   Box3d bounds() const;
 };
 
@@ -36,29 +40,42 @@ class MeshSink {
  public:
   virtual ~MeshSink() = default;
 
-  /// The next vertices, and their colours, or none for all of the mesh. What files say: places may be no
-  /// finite numbers; colours are 0 to 1.
-  virtual Status add_vertices(std::span<const Vec3f> places, std::span<const Vec3f> colors) = 0;
+  /// The next vertices, and their colours, or none for all of these. What files say: places may be no
+  /// finite numbers. Colours are 0 to 1, as displayed.
+  virtual Status add_vertices(std::span<const Vec3d> places, std::span<const Vec3f> colors) = 0;
 
-  /// The next triangles, of vertices that came before. What files say: an index may be that of none.
-  virtual Status add_triangles(std::span<const Triangle> triangles) = 0;
+  /// The next triangles, of vertices that came before. What files say: an index may be that of none. Colours
+  /// are the triangles', or none where those of the vertices hold.
+  virtual Status add_triangles(std::span<const Triangle> triangles, std::span<const Vec3f> colors = {}) = 0;
+
+  /// The place of a vertex that came before; no numbers where none with the index did.
+  virtual Result<Vec3d> place(std::uint32_t vertex) = 0;
+
+  /// Is told what of a file is not used, such as "textures".
+  virtual void pass_over(const std::string& what) = 0;
 };
 
-/// Called with what is read of all there is, in vertices and polygons.
+/// Cuts a polygon of vertices that the sink has into triangles, which are appended.
+Status cut_polygon(MeshSink& sink, std::span<const std::uint32_t> corners, std::vector<Triangle>& triangles);
+
+/// Called with what is read of all there is, in units of the format.
 using MeshProgress = std::function<void(std::uint64_t done, std::uint64_t all)>;
 
 /// Hands a file's triangles over as it is read; polygons are cut up, points and lines left out, and the parts
-/// of a scene put where it puts them. PLY takes no memory but its buffers; other formats are whole in memory
-/// before the first triangle. An error where the file cannot be read or its format is not known.
+/// of a scene put where it puts them. PLY, OBJ and STL take no memory but their buffers; glTF is whole in
+/// memory before the first triangle. An error where the file cannot be read or its format is not known.
 Status stream_mesh(const std::string& path, MeshSink& sink, const MeshProgress& progress = {});
 
 struct MeshReport {
   std::uint64_t dropped = 0;  ///< triangles without an area, or of vertices that are no finite numbers
 };
 
-/// Reads the triangles of a file as stream_mesh() does, all into memory; an error also where there is none in
-/// it.
+/// Reads the triangles of a file as stream_mesh() does, all into memory; colours of triangles are left out.
+/// An error also where there is none in it.
 Result<TriangleMesh> read_mesh(const std::string& path, MeshReport* report = nullptr);
+
+/// The error for a file of which no triangle is left; so many were dropped.
+Error no_triangle(const std::string& path, std::uint64_t dropped);
 
 /// Does the name end as that of a mesh that read_mesh() knows?
 bool is_mesh_name(const std::string& path);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gvx/io/header_text.h"
+#include "gvx/io/srgb.h"
 
 namespace gvx::io {
 namespace {
@@ -20,13 +21,6 @@ constexpr int kLabPieces = 16;
 
 // CIE 1976 L*a*b* under D65, through linear sRGB (IEC 61966-2-1).
 constexpr Vec3d kWhite{0.95047, 1.0, 1.08883};
-
-double to_linear(double v) {
-  return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
-}
-double to_display(double v) {
-  return v <= 0.0031308 ? v * 12.92 : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
-}
 
 Vec3d to_lab(Vec3d rgb) {
   const Vec3d l{to_linear(rgb.x), to_linear(rgb.y), to_linear(rgb.z)};

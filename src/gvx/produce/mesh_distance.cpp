@@ -28,7 +28,9 @@ PlacedMesh PlacedMesh::in_cube(io::TriangleMesh mesh, double margin) {
   const Box3d box = mesh.bounds();
   const double size = std::max(max_component(box.maximum - box.minimum), 1e-30) / (1 - 2 * margin);
   const Vec3d middle = 0.5 * (box.minimum + box.maximum), origin = middle - Vec3d(0.5 * size);
-  for (Vec3f& v : mesh.vertices) v = Vec3f((Vec3d(v) - origin) / size);
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v)
+    mesh.vertices[v] = Vec3f((mesh.place(v) - origin) / size);
+  mesh.origin = {};
   PlacedMesh placed{std::move(mesh), scaling(Vec3d(size)), {}};
   placed.tree_to_world.origin = origin;
   const Vec3d half = 0.5 * (box.maximum - box.minimum) / size + Vec3d(margin);
@@ -70,7 +72,8 @@ void AxisDistanceField::sample(const VoxelBlock& block, std::span<float> values)
   const std::size_t edge = block.edge;
   // Of each voxel the sum over the axes of the inverse squares of what its lines find, and how many of them
   // find it inside.
-  thread_local std::vector<float> inverse_squares, crossings;
+  thread_local std::vector<float> inverse_squares;
+  thread_local std::vector<MeshQuery::Crossing> crossings;
   thread_local std::vector<std::uint8_t> inside;
   inverse_squares.assign(values.size(), 0);
   inside.assign(values.size(), 0);
@@ -89,13 +92,13 @@ void AxisDistanceField::sample(const VoxelBlock& block, std::span<float> values)
         std::size_t behind = 0;  // the first crossing behind the voxel
         for (std::size_t i = 0; i < edge; ++i) {
           const auto here = static_cast<float>(band_ + static_cast<double>(i) * block.spacing);
-          while (behind < crossings.size() && crossings[behind] <= here) ++behind;
+          while (behind < crossings.size() && crossings[behind].distance <= here) ++behind;
           float away = band;
-          if (behind < crossings.size()) away = std::min(away, crossings[behind] - here);
-          if (behind > 0) away = std::min(away, here - crossings[behind - 1]);
+          if (behind < crossings.size()) away = std::min(away, crossings[behind].distance - here);
+          if (behind > 0) away = std::min(away, here - crossings[behind - 1].distance);
           const std::size_t at = i * stride[axis] + j * stride[u] + k * stride[v];
           if (away < band) inverse_squares[at] += 1 / (away * away + 1e-20f);
-          inside[at] += static_cast<std::uint8_t>((crossings.size() - behind) % 2);
+          if (mesh_->tells_inside(std::span(crossings).subspan(behind))) ++inside[at];
         }
       }
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #if defined(GVX_WITH_EMBREE)
@@ -75,16 +76,39 @@ bool consider(RTCPointQueryFunctionArguments* arguments) {
   return true;
 }
 
+/// Collects the nearest point of every triangle within a radius.
+struct NearPoints {
+  const io::TriangleMesh& mesh;
+  float radius;
+  std::vector<MeshQuery::Nearest>& found;
+};
+
+bool collect(RTCPointQueryFunctionArguments* arguments) {
+  auto& near = *static_cast<NearPoints*>(arguments->userPtr);
+  const auto& triangle = near.mesh.triangles[arguments->primID];
+  const Vec3f p(arguments->query->x, arguments->query->y, arguments->query->z);
+  const Vec3f a = near.mesh.vertices[triangle[0]] - p, b = near.mesh.vertices[triangle[1]] - p,
+              c = near.mesh.vertices[triangle[2]] - p;
+  const std::array<float, 3> w = nearest_weights({}, a, b, c);
+  const float distance = length(w[0] * a + w[1] * b + w[2] * c);
+  if (distance < near.radius) near.found.push_back({distance, arguments->primID, w});
+  return false;
+}
+
 /// Collects every crossing, and lets the ray go on.
 struct Crossings {
   RTCIntersectContext context;
-  std::vector<float>* distances = nullptr;
+  std::vector<MeshQuery::Crossing>* found = nullptr;
 };
 
 void note_crossing(const RTCFilterFunctionNArguments* arguments) {
   const auto* crossings = reinterpret_cast<const Crossings*>(arguments->context);
   if (arguments->valid[0] == 0) return;
-  crossings->distances->push_back(RTCRayN_tfar(arguments->ray, arguments->N, 0));
+  const unsigned n = arguments->N;
+  const float along = RTCRayN_dir_x(arguments->ray, n, 0) * RTCHitN_Ng_x(arguments->hit, n, 0) +
+                      RTCRayN_dir_y(arguments->ray, n, 0) * RTCHitN_Ng_y(arguments->hit, n, 0) +
+                      RTCRayN_dir_z(arguments->ray, n, 0) * RTCHitN_Ng_z(arguments->hit, n, 0);
+  crossings->found->push_back({RTCRayN_tfar(arguments->ray, n, 0), along < 0 ? 1 : -1});
   arguments->valid[0] = 0;
 }
 
@@ -99,12 +123,12 @@ struct MeshQuery::Scene {
     if (device != nullptr) rtcReleaseDevice(device);
   }
 
-  void cross(Vec3f p, Vec3f direction, std::vector<float>& distances) const {
-    distances.clear();
+  void cross(Vec3f p, Vec3f direction, std::vector<Crossing>& found) const {
+    found.clear();
     Crossings crossings{};
     rtcInitIntersectContext(&crossings.context);
     crossings.context.filter = note_crossing;
-    crossings.distances = &distances;
+    crossings.found = &found;
     RTCRay ray{};
     ray.org_x = p.x, ray.org_y = p.y, ray.org_z = p.z;
     ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
@@ -115,8 +139,8 @@ struct MeshQuery::Scene {
   }
 };
 
-Result<std::unique_ptr<MeshQuery>> MeshQuery::create(io::TriangleMesh mesh) {
-  std::unique_ptr<MeshQuery> query(new MeshQuery(std::move(mesh)));
+Result<std::unique_ptr<MeshQuery>> MeshQuery::create(io::TriangleMesh mesh, InsideRule rule) {
+  std::unique_ptr<MeshQuery> query(new MeshQuery(std::move(mesh), rule));
   Scene& scene = *query->scene_;
   scene.device = rtcNewDevice(nullptr);
   if (scene.device == nullptr) return Error{"a mesh: Embree does not run on this processor"};
@@ -131,7 +155,6 @@ Result<std::unique_ptr<MeshQuery>> MeshQuery::create(io::TriangleMesh mesh) {
                              sizeof(Vec3f), m.vertices.size() - 1);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, m.triangles.data(), 0,
                              sizeof(m.triangles[0]), m.triangles.size());
-  rtcSetGeometryPointQueryFunction(geometry, consider);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene.scene, geometry);
   rtcReleaseGeometry(geometry);
@@ -142,58 +165,91 @@ Result<std::unique_ptr<MeshQuery>> MeshQuery::create(io::TriangleMesh mesh) {
   return query;
 }
 
-MeshQuery::MeshQuery(io::TriangleMesh mesh) : mesh_(std::move(mesh)), scene_(std::make_unique<Scene>()) {}
+MeshQuery::MeshQuery(io::TriangleMesh mesh, InsideRule rule)
+    : mesh_(std::move(mesh)), rule_(rule), scene_(std::make_unique<Scene>()) {}
 
 std::optional<MeshQuery::Nearest> MeshQuery::nearest(Vec3f p, float radius) const {
   NearestSearch search{mesh_, {radius, 0, {}}};
   RTCPointQuery query{p.x, p.y, p.z, 0, kHair * radius};
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  rtcPointQuery(scene_->scene, &query, &context, nullptr, &search);
+  rtcPointQuery(scene_->scene, &query, &context, consider, &search);
   return search.found ? std::optional(search.best) : std::nullopt;
 }
 
-void MeshQuery::crossings(Vec3f p, int axis, std::vector<float>& distances) const {
+std::optional<MeshQuery::Nearest> MeshQuery::nearest_that(
+    Vec3f p, float radius, const std::function<bool(const Nearest&)>& holds) const {
+  const std::optional<Nearest> first = nearest(p, radius);
+  if (!first || holds(*first)) return first;
+  thread_local std::vector<Nearest> found;
+  found.clear();
+  NearPoints near{mesh_, radius, found};
+  RTCPointQuery query{p.x, p.y, p.z, 0, kHair * radius};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(scene_->scene, &query, &context, collect, &near);
+  std::sort(found.begin(), found.end(), [](const Nearest& a, const Nearest& b) {
+    return std::tie(a.distance, a.triangle) < std::tie(b.distance, b.triangle);
+  });
+  // Fine meshes have very many triangles within a radius, and what holds of one holds of its neighbours.
+  const float close = radius / 8;
+  std::vector<Vec3f> refused = {place(*first)};
+  for (const Nearest& one : found) {
+    const Vec3f here = place(one);
+    const bool near_refused = std::any_of(refused.begin(), refused.end(),
+                                          [&](Vec3f other) { return length(here - other) < close; });
+    if (near_refused) continue;
+    if (holds(one)) return one;
+    refused.push_back(here);
+  }
+  return std::nullopt;
+}
+
+void MeshQuery::crossings(Vec3f p, int axis, std::vector<Crossing>& crossings) const {
   Vec3f direction;
   direction[axis] = 1;
-  scene_->cross(p, direction, distances);
-  std::sort(distances.begin(), distances.end());
+  scene_->cross(p, direction, crossings);
+  std::sort(crossings.begin(), crossings.end());
 }
 
 std::optional<std::pair<float, float>> MeshQuery::first_and_last(Vec3f p, Vec3f direction) const {
-  thread_local std::vector<float> distances;
-  scene_->cross(p, direction, distances);
-  if (distances.empty()) return std::nullopt;
-  const auto [first, last] = std::minmax_element(distances.begin(), distances.end());
-  return std::pair(*first, *last);
+  thread_local std::vector<Crossing> found;
+  scene_->cross(p, direction, found);
+  if (found.empty()) return std::nullopt;
+  const auto [first, last] = std::minmax_element(found.begin(), found.end());
+  return std::pair(first->distance, last->distance);
 }
 
 bool MeshQuery::inside(Vec3f p) const {
   // Oblique, so that they seldom meet an edge of what people model along the axes.
   constexpr Vec3f kWays[] = {
       {0.8623f, 0.4127f, 0.2931f}, {-0.3217f, 0.9013f, 0.2891f}, {0.1931f, -0.3571f, 0.9139f}};
-  thread_local std::vector<float> distances;
-  int odd = 0;
+  thread_local std::vector<Crossing> found;
+  int votes = 0;
   for (const Vec3f& way : kWays) {
-    scene_->cross(p, way, distances);
-    odd += static_cast<int>(distances.size() % 2);
+    scene_->cross(p, way, found);
+    votes += tells_inside(found) ? 1 : 0;
   }
-  return odd >= 2;
+  return votes >= 2;
 }
 
 #else
 
 struct MeshQuery::Scene {};
 
-Result<std::unique_ptr<MeshQuery>> MeshQuery::create(io::TriangleMesh) {
+Result<std::unique_ptr<MeshQuery>> MeshQuery::create(io::TriangleMesh, InsideRule) {
   return Error{"what is made of meshes is not in this build: it was made without Embree 3"};
 }
-MeshQuery::MeshQuery(io::TriangleMesh) {}
+MeshQuery::MeshQuery(io::TriangleMesh, InsideRule rule) : rule_(rule) {}
 std::optional<MeshQuery::Nearest> MeshQuery::nearest(Vec3f, float) const {
   return {};
 }
-void MeshQuery::crossings(Vec3f, int, std::vector<float>& distances) const {
-  distances.clear();
+std::optional<MeshQuery::Nearest> MeshQuery::nearest_that(Vec3f, float,
+                                                          const std::function<bool(const Nearest&)>&) const {
+  return {};
+}
+void MeshQuery::crossings(Vec3f, int, std::vector<Crossing>& crossings) const {
+  crossings.clear();
 }
 std::optional<std::pair<float, float>> MeshQuery::first_and_last(Vec3f, Vec3f) const {
   return {};
@@ -205,5 +261,35 @@ bool MeshQuery::inside(Vec3f) const {
 #endif
 
 MeshQuery::~MeshQuery() = default;
+
+Vec3f MeshQuery::place(const Nearest& found) const {
+  const io::Triangle& t = mesh_.triangles[found.triangle];
+  Vec3f sum;
+  for (std::size_t k = 0; k < 3; ++k) sum = sum + found.weights[k] * mesh_.vertices[t[k]];
+  return sum;
+}
+
+bool MeshQuery::tells_inside(std::span<const Crossing> crossings) const {
+  if (rule_ != InsideRule::winding) return crossings.size() % 2 != 0;
+  int turns = 0;
+  for (const Crossing& crossing : crossings) turns += crossing.turn;
+  return turns != 0;
+}
+
+bool MeshQuery::ends_outside(const std::vector<Crossing>& crossings) const {
+  return !tells_inside(crossings);
+}
+
+void MeshQuery::changes(const std::vector<Crossing>& crossings, std::vector<float>& distances) const {
+  distances.clear();
+  int turns = 0;
+  bool inside = false;
+  for (const Crossing& crossing : crossings) {
+    turns += crossing.turn;
+    const bool now = rule_ == InsideRule::winding ? turns != 0 : !inside;
+    if (now != inside) distances.push_back(crossing.distance);
+    inside = now;
+  }
+}
 
 }  // namespace gvx::produce

@@ -206,7 +206,7 @@ Result<std::optional<MeshSlabs>> MeshSlabs::sort(const MeshSpool& mesh, const Sp
   const auto placed = [&](const SpooledTriangle& triangle) {
     std::array<Vec3f, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) {
-      corners[k] = Vec3f((Vec3d(triangle.corners[k]) - space.origin) / space.voxel);
+      corners[k] = Vec3f((triangle.corners[k] - space.origin) / space.voxel);
     }
     return corners;
   };

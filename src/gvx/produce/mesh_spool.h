@@ -16,6 +16,7 @@
 #include "gvx/core/result.h"
 #include "gvx/io/mesh.h"
 #include "gvx/io/scratch_file.h"
+#include "gvx/produce/mesh_inside.h"
 
 namespace gvx::produce {
 
@@ -27,7 +28,7 @@ inline constexpr Rgb8 kPlainColor = {204, 204, 204};
 
 /// A triangle that needs no vertices elsewhere.
 struct SpooledTriangle {
-  std::array<Vec3f, 3> corners;
+  std::array<Vec3d, 3> corners;
   std::array<Rgb8, 3> colors;
 };
 
@@ -35,26 +36,28 @@ struct MeshSummary {
   std::uint64_t vertices = 0;                       ///< whether a triangle has them or not
   std::uint64_t triangles = 0;                      ///< that cover anything
   std::uint64_t dropped = 0;                        ///< the others, and those of vertices that are not there
+  std::uint64_t doubled = 0;                        ///< that are left out because their like is there
   Box3d bounds{Vec3d(INFINITY), Vec3d(-INFINITY)};  ///< of the triangles
   bool colors = false;
   Vec3f mean_color;  ///< of the surface
-  /// Is every edge of two triangles, or of an even number, so that there is an inside? Edges between equal
-  /// places are one, whatever vertices they are of.
-  bool closed = false;
+  InsideRule inside = InsideRule::none;
+  std::vector<std::string> unused;  ///< what of the file is not used, each once
+
+  /// Is there an inside?
+  bool closed() const { return inside != InsideRule::none; }
 };
 
 /// One thread fills it, then finishes it. Vertices wait on disk, too, and as many as fit half of the memory
 /// are read again in blocks: where triangles jump about among more of them than that, each corner is a read.
 class MeshSpool final : public io::MeshSink {
  public:
-  enum class Keep { triangles, summary_only };
-
   /// Its scratch files stand in `folder`.
-  static Result<std::unique_ptr<MeshSpool>> create(const std::string& folder, std::uint64_t memory_bytes,
-                                                   Keep keep = Keep::triangles);
+  static Result<std::unique_ptr<MeshSpool>> create(const std::string& folder, std::uint64_t memory_bytes);
 
-  Status add_vertices(std::span<const Vec3f> places, std::span<const Vec3f> colors) override;
-  Status add_triangles(std::span<const io::Triangle> triangles) override;
+  Status add_vertices(std::span<const Vec3d> places, std::span<const Vec3f> colors) override;
+  Status add_triangles(std::span<const io::Triangle> triangles, std::span<const Vec3f> colors = {}) override;
+  Result<Vec3d> place(std::uint32_t vertex) override;
+  void pass_over(const std::string& what) override;
 
   /// To be called after the last triangle.
   Status finish();
@@ -62,14 +65,14 @@ class MeshSpool final : public io::MeshSink {
   /// What it all is, once it is finished.
   const MeshSummary& summary() const { return summary_; }
 
-  /// In the file's order, once it is finished; none where only the summary is kept.
-  const io::ScratchList<SpooledTriangle>& triangles() const { return triangles_; }
+  /// In the file's order, once it is finished.
+  const io::ScratchList<SpooledTriangle>& triangles() const { return *triangles_; }
 
   const std::string& folder() const { return folder_; }
 
  private:
   struct Vertex {
-    Vec3f place;
+    Vec3d place;
     Rgb8 color;
   };
 
@@ -79,30 +82,36 @@ class MeshSpool final : public io::MeshSink {
     std::size_t vertices = 0;
   };
 
-  MeshSpool(std::string folder, std::uint64_t memory_bytes, Keep keep, io::ScratchList<Vertex> vertices,
-            io::ScratchList<SpooledTriangle> triangles);
+  MeshSpool(std::string folder, std::uint64_t memory_bytes, io::ScratchList<Vertex> vertices,
+            io::ScratchList<SpooledTriangle> triangles, io::ScratchList<EdgeSums::Corners> slivers);
 
   /// Makes room for the blocks that there are, or as many as may be.
   void make_room();
   Result<Vertex> vertex(std::uint32_t index);
   void take_into_account(const SpooledTriangle& triangle);
+  /// Looks for edges that others, of nearly the same places, go with.
+  Status weld_open_edges();
+  /// The same, then for faces that are there more than once, and takes out those that are to spare.
+  Status settle_inside();
+  /// Calls function(corners, index) for all triangles, then for those without an area.
+  template <typename Function>
+  Status for_each_face(const Function& function) const;
 
   std::string folder_;
-  Keep keep_;
-  std::uint64_t most_blocks_;
+  std::uint64_t memory_bytes_, most_blocks_;
   std::optional<io::ScratchList<Vertex>> vertices_;
   std::vector<Block> blocks_;               // each for the blocks of which the number has its remainder
   std::unique_ptr<std::byte[]> of_blocks_;  // pages are not touched before they are filled
-  io::ScratchList<SpooledTriangle> triangles_;
+  std::optional<io::ScratchList<SpooledTriangle>> triangles_;
+  io::ScratchList<EdgeSums::Corners> slivers_;  // triangles without an area: they may be what closes the mesh
+  InsideJudge judge_;
   MeshSummary summary_;
   double area_ = 0;
-  Vec3d color_;                         // times area
-  std::array<std::uint64_t, 2> odd_{};  // 0 where all edges are there an even number of times
+  Vec3d color_;  // times area
 };
 
 /// A mesh file in a spool that is finished; an error where there is no triangle in it.
 Result<std::unique_ptr<MeshSpool>> spool_mesh(const std::string& path, const std::string& folder,
-                                              std::uint64_t memory_bytes, MeshSpool::Keep keep,
-                                              const io::MeshProgress& progress);
+                                              std::uint64_t memory_bytes, const io::MeshProgress& progress);
 
 }  // namespace gvx::produce

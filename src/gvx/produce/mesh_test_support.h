@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -15,6 +16,7 @@
 
 #include "gvx/io/mesh.h"
 #include "gvx/produce/mesh_spool.h"
+#include "gvx/store/store_reader.h"
 
 namespace gvx::produce {
 
@@ -51,10 +53,75 @@ inline io::TriangleMesh sphere_mesh(Vec3d centre, double radius, int cuts) {
   return mesh;
 }
 
+/// The finest voxels of a mesh's store.
+class StoredMesh {
+ public:
+  using Voxel = std::array<std::uint8_t, 7>;
+
+  explicit StoredMesh(const std::string& path) : reader_(store::StoreReader::open(path).value()) {
+    const store::VolumeInfo& info = reader_->info();
+    const Vec3i d = info.shape.dimensions;
+    voxels_.resize(static_cast<std::size_t>(d.x * d.y * d.z));
+    const std::int64_t m = info.shape.m;
+    std::vector<std::byte> brick(info.brick_bytes());
+    const std::size_t edge = static_cast<std::size_t>(m + 2), texels = edge * edge * edge;
+    const Vec3i nodes = info.shape.level_nodes(info.shape.levels - 1);
+    for (std::int64_t n = 0; n < nodes.x * nodes.y * nodes.z; ++n) {
+      const Vec3i node(n % nodes.x, n / nodes.x % nodes.y, n / nodes.x / nodes.y);
+      const NodeKey key{info.shape.levels - 1, static_cast<std::uint32_t>(node.x),
+                        static_cast<std::uint32_t>(node.y), static_cast<std::uint32_t>(node.z)};
+      GVX_CHECK(reader_->read_brick(key, reader_->node(key).value(), brick).ok());
+      for (std::int64_t i = 0; i < m * m * m; ++i) {
+        const Vec3i in(i % m, i / m % m, i / m / m), at = m * node + in;
+        if (at.x >= d.x || at.y >= d.y || at.z >= d.z) continue;
+        const std::size_t texel =
+            static_cast<std::size_t>(in.x + 1) +
+            edge * (static_cast<std::size_t>(in.y + 1) + edge * static_cast<std::size_t>(in.z + 1));
+        for (std::size_t c = 0; c < 7; ++c) {
+          voxels_[static_cast<std::size_t>((at.z * d.y + at.y) * d.x + at.x)][c] =
+              static_cast<std::uint8_t>(brick[c * texels + texel]);
+        }
+      }
+    }
+  }
+
+  const store::VolumeInfo& info() const { return reader_->info(); }
+  const std::vector<Voxel>& voxels() const { return voxels_; }
+
+  /// That which holds a place of the world; none where none does.
+  Voxel at(Vec3d place) const {
+    const Vec3d p = inverse(info().voxel_to_world).point(place);
+    const Vec3i d = info().shape.dimensions, i(Vec3d(std::floor(p.x), std::floor(p.y), std::floor(p.z)));
+    for (int axis = 0; axis < 3; ++axis) {
+      if (i[axis] < 0 || i[axis] >= d[axis]) return {};
+    }
+    return voxels_[static_cast<std::size_t>((i.z * d.y + i.y) * d.x + i.x)];
+  }
+  double opacity(Vec3d place) const { return at(place)[3] / 255.0; }
+
+  /// Of what is covered, in the world.
+  double volume() const {
+    double sum = 0;
+    for (const Voxel& v : voxels_) sum += v[3] / 255.0;
+    return sum * std::pow(info().voxel_to_world.column[0].x, 3);
+  }
+  /// Voxels of more than half an opacity.
+  std::size_t opaque() const {
+    return static_cast<std::size_t>(
+        std::count_if(voxels_.begin(), voxels_.end(), [](const Voxel& v) { return v[3] > 127; }));
+  }
+
+ private:
+  std::unique_ptr<store::StoreReader> reader_;
+  std::vector<Voxel> voxels_;
+};
+
 /// The mesh as if read from a file; colours, where there are, are those of the vertices.
 inline std::unique_ptr<MeshSpool> spooled(const io::TriangleMesh& mesh) {
   auto spool = MeshSpool::create(testing::TempDir(), 1 << 20).value();
-  GVX_CHECK(spool->add_vertices(mesh.vertices, mesh.colors).ok());
+  std::vector<Vec3d> places;
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) places.push_back(mesh.place(v));
+  GVX_CHECK(spool->add_vertices(places, mesh.colors).ok());
   GVX_CHECK(spool->add_triangles(mesh.triangles).ok() && spool->finish().ok());
   return spool;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -67,8 +68,8 @@ class MeshVoxels {
  public:
   /// Reads the triangles that are near to the slab.
   static Result<MeshVoxels> load(const MeshSlabs& slabs, const MeshSlabs::Slab& slab, Vec3i dimensions,
-                                 bool solid, Vec3f inner_color) {
-    MeshVoxels voxels(slab, dimensions, solid, inner_color);
+                                 InsideRule rule, Vec3f inner_color) {
+    MeshVoxels voxels(slab, dimensions, rule != InsideRule::none, inner_color);
     if (slab.count == 0) return voxels;
     io::TriangleMesh mesh;
     mesh.vertices.reserve(static_cast<std::size_t>(3 * slab.count + 1));
@@ -85,7 +86,7 @@ class MeshVoxels {
         voxels.corners_.push_back({triangle.normals, triangle.colors});
       }
     }
-    GVX_ASSIGN(voxels.query_, MeshQuery::create(std::move(mesh)));
+    GVX_ASSIGN(voxels.query_, MeshQuery::create(std::move(mesh), rule));
     return voxels;
   }
 
@@ -105,9 +106,9 @@ class MeshVoxels {
   /// Blocks side by side along x, from (y, z) on.
   void fill_row(std::int64_t y, std::int64_t z, std::int64_t count, std::span<Voxel> slices) const {
     const std::int64_t y_end = std::min(y + kBlock, slab_.y_end);
-    // Of each line along x, where it crosses the surface.
-    std::vector<std::vector<float>> crossings;
-    if (solid_ && query_) crossings = lines(y, y_end, z, count);
+    // Of each line along x, where it goes in or out.
+    std::vector<std::vector<float>> changes;
+    if (solid_ && query_) changes = lines(y, y_end, z, count);
     const Vec3f half(kBlock / 2.0f);
     const float radius = length(half) + reach();
     for (std::int64_t x = 0; x < dimensions_.x; x += kBlock) {
@@ -117,10 +118,10 @@ class MeshVoxels {
         for (std::int64_t j = y; j < y_end; ++j) {
           Voxel* out = &slices[static_cast<std::size_t>((k * dimensions_.y + j) * dimensions_.x)];
           const std::vector<float>* line =
-              !crossings.empty() ? &crossings[static_cast<std::size_t>(k * (y_end - y) + j - y)] : nullptr;
+              !changes.empty() ? &changes[static_cast<std::size_t>(k * (y_end - y) + j - y)] : nullptr;
           for (std::int64_t i = x; i < x_end; ++i) {
             const Vec3f centre(Vec3d(Vec3i(i, j, z + k)) + Vec3d(0.5));
-            const bool inside = line != nullptr && is_inside(*line, centre);
+            const bool inside = line != nullptr && is_inside(*line, centre.x);
             out[i] = near ? voxel_at(centre, inside) : far_voxel(inside);
           }
         }
@@ -130,25 +131,51 @@ class MeshVoxels {
 
   std::vector<std::vector<float>> lines(std::int64_t y, std::int64_t y_end, std::int64_t z,
                                         std::int64_t count) const {
-    std::vector<std::vector<float>> crossings(static_cast<std::size_t>(count * (y_end - y)));
+    std::vector<std::vector<float>> changes(static_cast<std::size_t>(count * (y_end - y)));
     std::size_t i = 0;
     for (std::int64_t k = 0; k < count; ++k) {
       for (std::int64_t j = y; j < y_end; ++j, ++i) {
-        // A little aside of the middle, where modelled edges are; again where a line met one all the same:
-        // out of a closed mesh it comes after an even number.
-        for (const float aside : {0.0137f, 0.0313f, -0.0271f}) {
-          query_->crossings(
-              Vec3f(0, static_cast<float>(j) + 0.5f + aside, static_cast<float>(z + k) + 0.5f + 0.7f * aside),
-              0, crossings[i]);
-          if (crossings[i].size() % 2 == 0) break;
-        }
+        // A little aside of the middle, where modelled edges are.
+        (void)line(static_cast<float>(j) + 0.5f, static_cast<float>(z + k) + 0.5f,
+                   {0.0137f, 0.0313f, -0.0271f, 0.0517f, -0.0411f}, changes[i]);
       }
     }
-    return crossings;
+    return changes;
   }
 
-  static bool is_inside(const std::vector<float>& crossings, Vec3f p) {
-    return (std::upper_bound(crossings.begin(), crossings.end(), p.x) - crossings.begin()) % 2 != 0;
+  /// Where the line along x through y and z goes in or out. It is drawn so far aside; again, at the next
+  /// distance, where it met an edge and so does not end outside. False where none does.
+  bool line(float y, float z, std::initializer_list<float> asides, std::vector<float>& changes) const {
+    thread_local std::vector<MeshQuery::Crossing> crossings;
+    bool outside = false;
+    for (const float aside : asides) {
+      query_->crossings(Vec3f(0, y + aside, z + 0.7f * aside), 0, crossings);
+      outside = query_->ends_outside(crossings);
+      if (outside) break;
+    }
+    query_->changes(crossings, changes);
+    return outside;
+  }
+
+  static bool is_inside(const std::vector<float>& changes, float x) {
+    return (std::upper_bound(changes.begin(), changes.end(), x) - changes.begin()) % 2 != 0;
+  }
+
+  /// Does the solid end at a point of the surface that is the nearest to p, which is inside? Not where
+  /// another part goes on behind it.
+  bool ends_solid(Vec3f p, const MeshQuery::Nearest& found) const {
+    const Vec3f at = query_->place(found);
+    const bool apart = found.distance > kBehind;
+    const io::Triangle& t = query_->mesh().triangles[found.triangle];
+    const std::vector<Vec3f>& v = query_->mesh().vertices;
+    const Vec3f way = apart ? at - p : cross(v[t[1]] - v[t[0]], v[t[2]] - v[t[0]]);
+    if (!(length(way) > 0)) return true;
+    const Vec3f step = kBehind / length(way) * way;
+    thread_local std::vector<float> changes;
+    const auto outside = [&](Vec3f q) {
+      return !line(q.y, q.z, {0, 0.0023f, -0.0019f}, changes) || !is_inside(changes, q.x);
+    };
+    return outside(at + step) || (!apart && outside(at - step));
   }
 
   /// Farther from the surface than this a voxel needs to know no more of it.
@@ -158,7 +185,9 @@ class MeshVoxels {
 
   Voxel voxel_at(Vec3f p, bool inside) const {
     const float radius = !solid_ ? kShellReach : inside ? kInnerReach : 0.5f;
-    const auto nearest = query_->nearest(p, radius);
+    const auto nearest =
+        inside ? query_->nearest_that(p, radius, [&](const auto& one) { return ends_solid(p, one); })
+               : query_->nearest(p, radius);
     if (!nearest) return far_voxel(inside);
     const float d = nearest->distance;
     // A plane through the middle of a voxel's neighbours covers this much of it.
@@ -179,6 +208,8 @@ class MeshVoxels {
 
   /// So deep below the surface voxels have its colour and normal: as far as those on it are blended with.
   static constexpr float kInnerReach = 1.6f;
+  /// What is behind a surface is looked up at this distance: of thinner gaps nothing can be seen.
+  static constexpr float kBehind = 0.02f;
   /// From the middle of a shell to where it ends: thinner ones let light through between two voxels.
   static constexpr float kShellReach = 1.25f;
 
@@ -197,7 +228,9 @@ Result<MeshStoreReport> build_mesh_store(const exec::Device& cpu, const MeshSpoo
                                          const MeshBuildProgress& progress) {
   const Box3d& box = mesh.summary().bounds;
   const double size = max_component(box.maximum - box.minimum);
-  if (!(size > 1e-30 && size < 1e30)) return Error{options.source + ": the mesh has no size"};
+  if (!(size > 1e-30 && size < 1e30)) {
+    return Error{options.source + ": the mesh has no size that voxels can have, 1e-30 to 1e30"};
+  }
   const double voxel = size / static_cast<double>(options.resolution);
   store::VolumeInfo info;
   Vec3i dimensions;
@@ -233,9 +266,13 @@ Result<MeshStoreReport> build_mesh_store(const exec::Device& cpu, const MeshSpoo
   store::PyramidBuilder pyramid(cpu, *writer, info);
   std::vector<Voxel> slices(static_cast<std::size_t>(kBlock * dimensions.x * dimensions.y));
   const std::vector<MeshSlabs::Slab>& all = slabs->slabs();
+  const InsideRule rule = !options.solid            ? InsideRule::none
+                          : mesh.summary().closed() ? mesh.summary().inside
+                                                    : InsideRule::parity;
+  bool covered = false;  // any voxel
   for (std::size_t i = 0; i < all.size(); ++i) {
     GVX_ASSIGN(const MeshVoxels voxels,
-               MeshVoxels::load(*slabs, all[i], dimensions, options.solid, mesh.summary().mean_color));
+               MeshVoxels::load(*slabs, all[i], dimensions, rule, mesh.summary().mean_color));
     for (std::int64_t z = all[i].z_begin; z < all[i].z_end; z += kBlock) {
       const std::int64_t count = std::min(kBlock, all[i].z_end - z);
       const std::span<Voxel> used(slices.data(),
@@ -243,11 +280,16 @@ Result<MeshStoreReport> build_mesh_store(const exec::Device& cpu, const MeshSpoo
       voxels.fill(cpu, z, count, used);
       // Of several slabs side by side the last fills the slices up.
       if (all[i].y_end < dimensions.y) continue;
+      covered = covered || std::any_of(used.begin(), used.end(), [](const Voxel& v) { return v[3] > 0; });
       GVX_TRY(pyramid.push_slices(count, std::as_bytes(used)));
       if (progress) {
         progress("building", static_cast<std::uint64_t>(z + count), static_cast<std::uint64_t>(dimensions.z));
       }
     }
+  }
+  if (!covered) {
+    return Error{options.source + ": the mesh covers no voxel at " + std::to_string(options.resolution) +
+                 " voxels across"};
   }
   GVX_TRY(pyramid.finish());
   return MeshStoreReport{dimensions, writer->bytes_written(), all.size()};

@@ -43,14 +43,14 @@ std::vector<SpooledTriangle> all_of(const MeshSpool& spool) {
 
 TEST(MeshSpool, knows_the_mesh_as_a_whole) {
   io::TriangleMesh mesh = cube();
-  EXPECT_TRUE(spooled(mesh)->summary().closed);
-  EXPECT_TRUE(spooled(unconnected(mesh))->summary().closed);
+  EXPECT_TRUE(spooled(mesh)->summary().closed());
+  EXPECT_TRUE(spooled(unconnected(mesh))->summary().closed());
   // The two zeros are one place.
   io::TriangleMesh soup = unconnected(mesh);
   soup.vertices[0].x = -0.0f;
-  EXPECT_TRUE(spooled(soup)->summary().closed);
+  EXPECT_TRUE(spooled(soup)->summary().closed());
   soup.vertices[0].x = 1e-6f;
-  EXPECT_FALSE(spooled(soup)->summary().closed);
+  EXPECT_FALSE(spooled(soup)->summary().closed());
 
   mesh.triangles.push_back({0, 1, 99});  // of a vertex that is not there
   mesh.triangles.push_back({0, 1, 1});
@@ -61,7 +61,7 @@ TEST(MeshSpool, knows_the_mesh_as_a_whole) {
   EXPECT_EQ(summary.triangles, 12u);
   EXPECT_EQ(summary.dropped, 3u);
   EXPECT_EQ(summary.vertices, 10u);
-  EXPECT_TRUE(summary.closed);
+  EXPECT_TRUE(summary.closed());
   EXPECT_FALSE(summary.colors);
   EXPECT_EQ(summary.bounds, (Box3d{{0, 0, 0}, {1, 1, 1}}));
 
@@ -69,32 +69,25 @@ TEST(MeshSpool, knows_the_mesh_as_a_whole) {
   for (std::size_t missing = 0; missing < 12; ++missing) {
     io::TriangleMesh open = cube();
     open.triangles.erase(open.triangles.begin() + static_cast<std::ptrdiff_t>(missing));
-    EXPECT_FALSE(spooled(open)->summary().closed) << missing;
+    EXPECT_FALSE(spooled(open)->summary().closed()) << missing;
   }
   io::TriangleMesh colored = cube();
   for (const Vec3f& v : colored.vertices) colored.colors.push_back(v);
   summary = spooled(colored)->summary();
   EXPECT_TRUE(summary.colors);
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(summary.mean_color[axis], 0.5f, 1e-6f);
-
-  auto only = MeshSpool::create(testing::TempDir(), 1 << 20, MeshSpool::Keep::summary_only).value();
-  ASSERT_TRUE(only->add_vertices(colored.vertices, colored.colors).ok());
-  ASSERT_TRUE(only->add_triangles(colored.triangles).ok() && only->finish().ok());
-  EXPECT_EQ(only->triangles().size(), 0u);
-  EXPECT_EQ(only->summary().triangles, 12u);
-  EXPECT_TRUE(only->summary().closed);
 }
 
 TEST(MeshSpool, finds_vertices_that_are_not_in_memory) {
   // More vertices than the spool keeps, met in any order, and some that come later.
   auto spool = MeshSpool::create(testing::TempDir(), 1).value();
   std::mt19937 random(3);
-  std::vector<Vec3f> places;
+  std::vector<Vec3d> places;
   std::vector<io::Triangle> triangles;
   for (int round = 0; round < 2; ++round) {
-    std::vector<Vec3f> more;
+    std::vector<Vec3d> more;
     for (int i = 0; i < 30500; ++i) {
-      more.emplace_back(float(random() % 1000), float(random() % 1000), float(random() % 1000));
+      more.emplace_back(double(random() % 1000), double(random() % 1000), double(random() % 1000));
     }
     ASSERT_TRUE(spool->add_vertices(more, {}).ok());
     places.insert(places.end(), more.begin(), more.end());
@@ -236,7 +229,9 @@ TEST(MeshSlabs, hold_what_is_near_to_them_in_order_and_no_more_than_they_may) {
                 {triangle.corners[0][axis], triangle.corners[1][axis], triangle.corners[2][axis]});
             near = near && low - 1.6f < static_cast<float>(end) && high + 1.6f > static_cast<float>(begin);
           }
-          const bool here = next < found.size() && found[next].corners == triangle.corners;
+          const auto& [a, b, c] = triangle.corners;
+          const bool here = next < found.size() &&
+                            found[next].corners == std::array<Vec3f, 3>{Vec3f(a), Vec3f(b), Vec3f(c)};
           ASSERT_TRUE(here || !near);
           next += here ? 1 : 0;
         }
@@ -299,6 +294,190 @@ TEST(MeshVoxels, are_the_same_bytes_in_however_many_slabs) {
       EXPECT_TRUE(bytes_of(path) == first) << built.value().slabs << " slabs";
     }
     EXPECT_GT(most_slabs, 9u) << "slices in ten blocks";
+  }
+}
+
+/// Both in one, each with its own vertices.
+io::TriangleMesh together(io::TriangleMesh a, const io::TriangleMesh& b) {
+  const auto first = static_cast<std::uint32_t>(a.vertices.size());
+  a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
+  for (const auto& [i, j, k] : b.triangles) a.triangles.push_back({first + i, first + j, first + k});
+  return a;
+}
+
+io::TriangleMesh turned_round(io::TriangleMesh mesh) {
+  for (io::Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
+  return mesh;
+}
+
+io::TriangleMesh moved(io::TriangleMesh mesh, Vec3f by) {
+  for (Vec3f& v : mesh.vertices) v = v + by;
+  return mesh;
+}
+
+/// The store of a mesh with so many voxels along its longest side, filled where it is closed.
+StoredMesh stored(const MeshSpool& spool, std::int64_t resolution) {
+  MeshStoreOptions options;
+  options.resolution = resolution;
+  options.solid = spool.summary().closed();
+  const std::string path = testing::TempDir() + "gvx_mesh_inside.gvx";
+  const auto built = build_mesh_store(exec::Device::cpu(), spool, path, options, {});
+  GVX_CHECK(built.ok());
+  return StoredMesh(path);
+}
+
+class MeshInside : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (const auto made = MeshQuery::create(cube()); !made.ok()) GTEST_SKIP() << made.error().message;
+  }
+};
+
+TEST_F(MeshInside, a_cube_is_solid_however_its_faces_are_repeated_or_wound) {
+  io::TriangleMesh one_face_twice = cube();
+  one_face_twice.triangles.push_back({2, 1, 0});
+  io::TriangleMesh one_face_behind_itself = cube();
+  one_face_behind_itself.triangles.push_back({0, 1, 2});
+  io::TriangleMesh one_face_turned = cube();
+  std::swap(one_face_turned.triangles[5][0], one_face_turned.triangles[5][1]);
+  // A vertex in the middle of an edge, which one side has and the other has not: a triangle without an area
+  // closes it.
+  io::TriangleMesh sliver = cube();
+  sliver.vertices.emplace_back(0.5f, 0, 0);
+  sliver.triangles[0] = {0, 2, 8};
+  sliver.triangles.push_back({8, 2, 1});
+  sliver.triangles.push_back({0, 8, 1});
+  io::TriangleMesh sliver_turned = sliver;
+  sliver_turned.triangles.back() = {8, 0, 1};
+  io::TriangleMesh inconsistent_twice = together(one_face_turned, one_face_turned);
+  const io::TriangleMesh two_sided = together(cube(), turned_round(cube()));
+
+  struct Case {
+    const char* name;
+    io::TriangleMesh mesh;
+    InsideRule rule;
+    std::uint64_t triangles, doubled;
+  };
+  for (const Case& c :
+       {Case{"plain", cube(), InsideRule::winding, 12, 0},
+        Case{"inward", turned_round(cube()), InsideRule::winding, 12, 0},
+        Case{"pasted twice", together(cube(), cube()), InsideRule::winding, 24, 0},
+        Case{"three times", together(together(cube(), cube()), cube()), InsideRule::winding, 36, 0},
+        Case{"two-sided", two_sided, InsideRule::parity, 12, 12},
+        Case{"one face twice", one_face_twice, InsideRule::winding, 12, 1},
+        Case{"one face two-sided", one_face_behind_itself, InsideRule::parity, 12, 1},
+        Case{"one face turned", one_face_turned, InsideRule::parity, 12, 0},
+        Case{"inconsistent twice", inconsistent_twice, InsideRule::parity, 12, 12},
+        Case{"sliver", sliver, InsideRule::winding, 13, 0},
+        Case{"sliver twice", together(sliver, sliver), InsideRule::winding, 26, 0},
+        Case{"sliver turned", sliver_turned, InsideRule::parity, 13, 0}}) {
+    const auto spool = spooled(c.mesh);
+    EXPECT_EQ(spool->summary().inside, c.rule) << c.name;
+    EXPECT_EQ(spool->summary().triangles, c.triangles) << c.name;
+    EXPECT_EQ(spool->summary().doubled, c.doubled) << c.name;
+    const StoredMesh voxels = stored(*spool, 32);
+    EXPECT_NEAR(voxels.volume(), 1, 1e-6) << c.name;
+    EXPECT_EQ(voxels.opaque(), 32768u) << c.name;
+    EXPECT_EQ(voxels.opacity({0.5, 0.5, 0.5}), 1) << c.name;
+    io::TriangleMesh in_memory = c.mesh;
+    const InsideRule rule = settle_inside(in_memory);
+    EXPECT_EQ(rule, c.rule) << c.name;
+    const auto query = MeshQuery::create(std::move(in_memory), rule).value();
+    EXPECT_TRUE(query->inside({0.4f, 0.5f, 0.6f})) << c.name;
+    EXPECT_FALSE(query->inside({0.4f, 1.5f, 0.6f})) << c.name;
+  }
+}
+
+TEST_F(MeshInside, parts_that_overlap_or_touch_are_one_and_cavities_stay) {
+  const double ball = 4.0 / 3 * M_PI;
+  // Two balls of radius 1 that are d apart share 2 caps of height 1 - d/2.
+  const double h = 0.55, shared = 2 * M_PI * h * h / 3 * (3 - h);
+  const io::TriangleMesh sphere = sphere_mesh({0, 0, 0}, 1, 4);
+  const StoredMesh overlapping = stored(*spooled(together(sphere, moved(sphere, {0.9f, 0, 0}))), 64);
+  EXPECT_NEAR(overlapping.volume(), 2 * ball - shared, 0.03);
+  // Nothing of the surfaces within is left.
+  for (double x = -0.9; x < 1.8; x += 0.01) EXPECT_EQ(overlapping.opacity({x, 0, 0}), 1) << x;
+  for (double y = -0.7; y < 0.7; y += 0.01) EXPECT_EQ(overlapping.opacity({0.45, y, 0}), 1) << y;
+
+  const StoredMesh inward = stored(*spooled(turned_round(together(sphere, moved(sphere, {0.9f, 0, 0})))), 64);
+  EXPECT_NEAR(inward.volume(), overlapping.volume(), 1e-3);
+
+  const StoredMesh hollow =
+      stored(*spooled(together(sphere, turned_round(sphere_mesh({0, 0, 0}, 0.5, 4)))), 64);
+  EXPECT_NEAR(hollow.volume(), ball * (1 - 0.125), 0.03);
+  EXPECT_EQ(hollow.opacity({0, 0, 0}), 0);
+  EXPECT_EQ(hollow.opacity({0.75, 0, 0}), 1);
+  const StoredMesh nested = stored(*spooled(together(sphere, sphere_mesh({0, 0, 0}, 0.5, 4))), 64);
+  EXPECT_NEAR(nested.volume(), ball, 0.03);
+  EXPECT_EQ(nested.opacity({0.5, 0, 0}), 1);
+
+  // Side by side, with a face in common; and overlapping by much less than a voxel.
+  for (const float apart : {1.0f, 0.9999f, 0.99f}) {
+    const StoredMesh touching = stored(*spooled(together(cube(), moved(cube(), {apart, 0, 0}))), 40);
+    EXPECT_NEAR(touching.volume(), 1 + apart, 2e-3) << apart;
+    for (double x = 0.1; x < 1.9; x += 0.01)
+      EXPECT_EQ(touching.opacity({x, 0.5, 0.5}), 1) << apart << ' ' << x;
+  }
+}
+
+TEST_F(MeshInside, of_a_mesh_without_one_there_is_a_shell) {
+  // A sheet that has a back, and a cube without a face.
+  io::TriangleMesh sheet;
+  sheet.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}, {2, 1, 0}, {3, 2, 0}};
+  EXPECT_FALSE(spooled(sheet)->summary().closed());
+  EXPECT_GT(stored(*spooled(sheet), 32).opaque(), 1000u);
+  io::TriangleMesh open = cube();
+  open.triangles.resize(10);
+  EXPECT_FALSE(spooled(open)->summary().closed());
+  EXPECT_EQ(stored(*spooled(open), 32).opacity({0.5, 0.5, 0.5}), 0);
+}
+
+TEST_F(MeshInside, seams_that_rounding_made_are_closed) {
+  // Each triangle with vertices of its own, which differ by some units of their last places.
+  io::TriangleMesh mesh = unconnected(sphere_mesh({0, 0, 0}, 1, 3));
+  std::mt19937 random(7);
+  for (Vec3f& v : mesh.vertices) {
+    for (int axis = 0; axis < 3; ++axis) {
+      v[axis] += 6e-8f * (static_cast<float>(random() % 3) - 1);
+    }
+  }
+  const auto spool = spooled(mesh);
+  EXPECT_EQ(spool->summary().inside, InsideRule::winding);
+  EXPECT_NEAR(stored(*spool, 48).volume(), 4.0 / 3 * M_PI, 0.05);
+  mesh.vertices[0] = 1.001f * mesh.vertices[0];
+  EXPECT_FALSE(spooled(mesh)->summary().closed());
+}
+
+TEST_F(MeshInside, far_from_0_a_mesh_is_as_it_is_near) {
+  const Vec3d origin(500000.125, 5400000.375, 312.5);
+  io::TriangleMesh mesh = cube();
+  for (Vec3f& v : mesh.vertices) v = 0.1f * v;
+  mesh.origin = origin;
+  const auto spool = spooled(mesh);
+  EXPECT_EQ(spool->summary().triangles, 12u);
+  EXPECT_EQ(spool->summary().bounds.minimum, origin);
+  const StoredMesh voxels = stored(*spool, 32);
+  EXPECT_NEAR(voxels.volume(), 0.001, 1e-8);
+  EXPECT_EQ(voxels.opacity(origin + Vec3d(0.05)), 1);
+  EXPECT_LT(length(voxels.info().voxel_to_world.origin + Vec3d(3 * 0.1 / 32) - origin), 1e-6);
+}
+
+TEST_F(MeshInside, unions_are_the_same_bytes_in_however_many_slabs) {
+  const io::TriangleMesh sphere = sphere_mesh({0, 0, 0}, 1, 5);
+  const auto spool = spooled(together(sphere, moved(sphere, {0.3f, 0.4f, 0.5f})));
+  std::string first;
+  for (const std::uint64_t memory : {1ull << 30, 16ull << 20}) {
+    MeshStoreOptions options;
+    options.resolution = 70;
+    options.solid = true;
+    options.memory_bytes = memory;
+    const std::string path = testing::TempDir() + "gvx_mesh_union.gvx";
+    const auto built = build_mesh_store(exec::Device::cpu(), *spool, path, options, {});
+    ASSERT_TRUE(built.ok()) << built.error().message;
+    EXPECT_EQ(built.value().slabs > 1, !first.empty());
+    if (first.empty()) first = bytes_of(path);
+    EXPECT_TRUE(bytes_of(path) == first);
   }
 }
 

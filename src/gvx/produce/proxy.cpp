@@ -66,13 +66,16 @@ class SeenNodes {
 }  // namespace
 
 Result<std::shared_ptr<const Proxy>> Proxy::in_tree_space(io::TriangleMesh mesh) {
-  GVX_ASSIGN(auto query, MeshQuery::create(std::move(mesh)));
+  const InsideRule rule = settle_inside(mesh);
+  GVX_ASSIGN(auto query, MeshQuery::create(std::move(mesh), rule));
   return std::shared_ptr<const Proxy>(new Proxy(std::move(query)));
 }
 
 Result<std::shared_ptr<const Proxy>> Proxy::create(io::TriangleMesh mesh, const TreeDescription& tree) {
   const Affine3 to_tree = inverse(tree.tree_to_world);
-  for (Vec3f& vertex : mesh.vertices) vertex = Vec3f(to_tree.point(Vec3d(vertex)));
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v)
+    mesh.vertices[v] = Vec3f(to_tree.point(mesh.place(v)));
+  mesh.origin = {};
   return in_tree_space(std::move(mesh));
 }
 
