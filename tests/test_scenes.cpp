@@ -61,7 +61,7 @@ TestScene analytic_scene(const std::string& name, const std::function<double(Vec
   info.shape = store::TreeShape::covering(dimensions, n, m);
   info.format.type = VoxelType::f32;
   info.voxel_to_world = scene.volume.voxel_to_world;
-  const auto writer = store::StoreWriter::create(scene.store_path, info.shape).value();
+  const auto writer = store::StoreWriter::create(scene.store_path, info.shape, info.format).value();
   store::PyramidBuilder pyramid(exec::Device::cpu(), *writer, info);
   GVX_CHECK(pyramid.push_slices(dimensions.z, std::as_bytes(std::span(*voxels))).ok());
   GVX_CHECK(pyramid.finish().ok());
@@ -108,7 +108,7 @@ TestScene planar_scene(const std::string& name, VoxelFormat format, const std::v
   store::VolumeInfo info;
   info.shape = store::TreeShape::covering(dimensions, n, m);
   info.format = format;
-  const auto writer = store::StoreWriter::create(scene.store_path, info.shape).value();
+  const auto writer = store::StoreWriter::create(scene.store_path, info.shape, info.format).value();
   store::PyramidBuilder pyramid(exec::Device::cpu(), *writer, info);
   GVX_CHECK(pyramid.push_slices(dimensions.z, bytes).ok());
   GVX_CHECK(pyramid.finish().ok());

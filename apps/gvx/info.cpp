@@ -44,7 +44,7 @@ Result<nlohmann::json> describe_store(const std::string& path) {
   const store::VolumeInfo& info = reader->info();
   nlohmann::json j = describe_place(info.shape.dimensions, info.voxel_to_world, info.anatomical);
   std::error_code error;
-  j["format"] = "gvx store, version " + std::to_string(store::kVersion);
+  j["format"] = "gvx store, version " + std::to_string(reader->version());
   j["type"] = voxel_name(info.format.type);
   j["content"] = content_name(info.format.content);
   j["planes"] = info.format.planes;
@@ -55,9 +55,18 @@ Result<nlohmann::json> describe_store(const std::string& path) {
   j["n"] = info.shape.n;
   j["brick"] = info.shape.m;
   j["levels"] = info.shape.levels;
+  j["border"] = info.border;
+  j["no_data"] = info.no_data;
   j["codec"] = store::codec_name(info.codec);
   j["source"] = info.source;
   j["file_bytes"] = std::filesystem::file_size(path, error);
+  j["sections"] = nlohmann::json::array();
+  for (const store::Section& section : reader->sections()) {
+    j["sections"].push_back({{"name", section.name},
+                             {"version", section.version},
+                             {"required", section.required},
+                             {"bytes", section.bytes}});
+  }
   return j;
 }
 
@@ -130,9 +139,16 @@ void print(const std::string& path, const nlohmann::json& j) {
   }
   if (j.contains("levels")) {
     row("tree", j["levels"].dump() + " levels of N = " + j["n"].dump() + ", bricks of " + j["brick"].dump() +
-                    " voxels, " + j["codec"].get<std::string>());
+                    " voxels and a border of " + j["border"].dump() + ", " + j["codec"].get<std::string>());
+    if (j["no_data"]) row("no data", "voxels that are NaN");
     row("source", j["source"]);
     row("file", bytes_text(j["file_bytes"]));
+    std::string sections;
+    for (const auto& section : j["sections"]) {
+      sections += (sections.empty() ? "" : ", ") + section["name"].get<std::string>() + " " +
+                  bytes_text(section["bytes"]);
+    }
+    row("sections", sections);
   } else {
     row("samples", bytes_text(j["sample_bytes"]));
   }

@@ -14,7 +14,8 @@ namespace gvx::app {
 Command add_verify(CLI::App& program) {
   auto path = std::make_shared<std::string>();
   auto threads = std::make_shared<int>(0);
-  CLI::App* command = program.add_subcommand("verify", "Check every brick and index page of a store");
+  CLI::App* command =
+      program.add_subcommand("verify", "Check every brick, index page and section of a store");
   command->add_option("store", *path, "The store")->required();
   command->add_option("--threads", *threads, "Threads; 0 takes all cores")->check(CLI::Range(0, 1024));
   return [path, threads]() -> Status {

@@ -35,7 +35,7 @@ Status build_field(const std::string& path, const std::function<double(Vec3d)>& 
   store::VolumeInfo info;
   info.shape = store::TreeShape::covering(Vec3i(edge), 2, m);
   info.format.type = VoxelType::f32;
-  GVX_ASSIGN(const auto writer, store::StoreWriter::create(path, info.shape));
+  GVX_ASSIGN(const auto writer, store::StoreWriter::create(path, info.shape, info.format));
   store::PyramidBuilder pyramid(exec::Device::cpu(), *writer, info);
   std::vector<float> slice(static_cast<std::size_t>(edge * edge));
   for (std::int64_t z = 0; z < edge; ++z) {

@@ -212,7 +212,7 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reade
       std::clamp<std::uint64_t>(kBatchBytes / slice, 1, static_cast<std::uint64_t>(d.dimensions.z));
   const std::uint64_t buffers =
       3 + voxel_bytes(info.format.type) / sample_bytes(d.type);  // read, read ahead, converted
-  const std::uint64_t needed = store::PyramidBuilder::window_bytes(info.shape, info.format) +
+  const std::uint64_t needed = store::PyramidBuilder::window_bytes(info) +
                                std::min(store::saturating_product(batch * buffers, slice), UINT64_MAX / 2);
   if (needed > options.memory_bytes) {
     return Error{d.path + ": building needs " + store::mebibytes(needed) + " of memory for slices of " +
@@ -257,7 +257,7 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reade
   StoreBuildReport report;
   report.rounded =
       info.format.type == VoxelType::f32 && sample_bytes(d.type) >= 4 && d.type != SampleType::f32;
-  GVX_ASSIGN(const auto writer, store::StoreWriter::create(path, info.shape));
+  GVX_ASSIGN(const auto writer, store::StoreWriter::create(path, info.shape, info.format));
   store::PyramidBuilder pyramid(cpu, *writer, info);
   BatchReader batches(reader, static_cast<std::int64_t>(batch));
   std::vector<std::byte> voxels;

@@ -248,7 +248,7 @@ Result<MeshStoreReport> build_mesh_store(const exec::Device& cpu, const MeshSpoo
   const std::uint64_t slice =
       store::saturating_product(static_cast<std::uint64_t>(dimensions.x * dimensions.y), sizeof(Voxel));
   const std::uint64_t slices_bytes =
-      store::PyramidBuilder::window_bytes(info.shape, info.format) + kBlock * slice;
+      store::PyramidBuilder::window_bytes(info) + kBlock * slice;
   const std::uint64_t needed = slices_bytes + kLeastTriangles * kBytesPerTriangle;
   const auto too_much = [&](const std::string& what) {
     return Error{options.source + ": " + std::to_string(options.resolution) + " voxels across need " + what +
@@ -262,7 +262,7 @@ Result<MeshStoreReport> build_mesh_store(const exec::Device& cpu, const MeshSpoo
                              most, progress));
   if (!slabs) return too_much("more memory, as too many triangles are in one place");
 
-  GVX_ASSIGN(const auto writer, store::StoreWriter::create(path, info.shape));
+  GVX_ASSIGN(const auto writer, store::StoreWriter::create(path, info.shape, info.format));
   store::PyramidBuilder pyramid(cpu, *writer, info);
   std::vector<Voxel> slices(static_cast<std::size_t>(kBlock * dimensions.x * dimensions.y));
   const std::vector<MeshSlabs::Slab>& all = slabs->slabs();

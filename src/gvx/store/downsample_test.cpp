@@ -183,7 +183,7 @@ TEST(Planes, of_labels_and_colours_are_kept_apart_at_every_level) {
     VolumeInfo info;
     info.shape = TreeShape::covering({30, 20, 25}, 2, 8);
     info.format = tested.format;
-    auto writer = StoreWriter::create(path, info.shape).value();
+    auto writer = StoreWriter::create(path, info.shape, info.format).value();
     PyramidBuilder builder(exec::Device::cpu(2), *writer, info);
     // Each plane has a value of its own everywhere, but in an empty corner.
     std::vector<std::byte> bytes;
@@ -238,7 +238,7 @@ TEST(Planes, normals_of_a_surface_are_not_shortened_by_what_is_inside) {
   VolumeInfo info;
   info.shape = TreeShape::covering({16, 16, 16}, 2, 8);
   info.format = {VoxelType::u8, VoxelContent::color_normal, 7};
-  auto writer = StoreWriter::create(path, info.shape).value();
+  auto writer = StoreWriter::create(path, info.shape, info.format).value();
   PyramidBuilder builder(exec::Device::cpu(2), *writer, info);
   // Opaque up to x = 7, where the surface faces x.
   std::vector<std::byte> slice;

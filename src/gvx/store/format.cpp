@@ -1,16 +1,11 @@
 #include "gvx/store/format.h"
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
+#include <algorithm>
 
 namespace gvx::store {
 
 const char* codec_name(Codec codec) {
   return codec == Codec::none ? "none" : codec == Codec::zstd ? "zstd" : "lz4";
-}
-
-std::uint64_t checksum(std::span<const std::byte> bytes) {
-  return XXH3_64bits(bytes.data(), bytes.size());
 }
 
 TreeShape TreeShape::covering(Vec3i dimensions, std::uint32_t n, std::uint32_t m) {
@@ -31,28 +26,30 @@ Vec3i TreeShape::level_nodes(std::uint32_t level) const {
   return (level_dimensions(level) + mm - Vec3i(1)) / mm;
 }
 
-Vec3i TreeShape::level_pages(std::uint32_t level) const {
+Vec3i TreeShape::index_pages(std::uint32_t level, std::uint32_t height) const {
   const Vec3i edge(std::int64_t{kPageEdge});
-  return (level_nodes(level) + edge - Vec3i(1)) / edge;
+  Vec3i pages = level_nodes(level);
+  for (std::uint32_t h = 0; h <= height; ++h) pages = (pages + edge - Vec3i(1)) / edge;
+  return pages;
 }
 
-std::uint64_t TreeShape::pages_before(std::uint32_t level) const {
-  std::uint64_t pages = 0;
-  for (std::uint32_t i = 0; i < level; ++i) {
-    const Vec3i p = level_pages(i);
-    const std::uint64_t of_level = saturating_product(
-        saturating_product(static_cast<std::uint64_t>(p.x), static_cast<std::uint64_t>(p.y)),
-        static_cast<std::uint64_t>(p.z));
-    if (__builtin_add_overflow(pages, of_level, &pages)) return UINT64_MAX;
-  }
-  return pages;
+std::uint32_t TreeShape::index_height(std::uint32_t level) const {
+  std::uint32_t height = 0;
+  while (max_component(index_pages(level, height)) > 1) ++height;
+  return height;
+}
+
+NodeBox TreeShape::page_nodes(std::uint32_t level, std::uint32_t height, Vec3i page) const {
+  const Vec3i edge(std::int64_t{kPageEdge} << 3 * height), all = level_nodes(level);
+  NodeBox box{level, page * edge, (page + Vec3i(1)) * edge};
+  for (int axis = 0; axis < 3; ++axis) box.last[axis] = std::min(box.last[axis], all[axis]);
+  return box;
 }
 
 std::uint64_t TreeShape::nodes() const {
   std::uint64_t all = 0;
   for (std::uint32_t level = 0; level < levels; ++level) {
-    const Vec3i here = level_nodes(level);
-    all += static_cast<std::uint64_t>(here.x * here.y * here.z);
+    if (__builtin_add_overflow(all, saturating_volume(level_nodes(level)), &all)) return UINT64_MAX;
   }
   return all;
 }

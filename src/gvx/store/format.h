@@ -1,14 +1,19 @@
 /// \file
-/// The .gvx store on disk, version 2. docs/store-format.md is the specification; these structs are its bytes.
+/// The .gvx store on disk, version 3. docs/store-format.md is the specification; these structs are its bytes.
 ///
 ///     offset 0     FileHeader, 256 bytes, little-endian, written last
 ///     256 ..       bricks, laid out as core/voxel.h draws them, each compressed on its own,
-///                  and between them index pages, each 8^3 NodeRecords, compressed
-///     directory    a PageEntry for every page of every level: level 0 first, then x fastest
-///     metadata     JSON: the source's name, its orientation's meaning, the histogram
+///                  and between them pages of the index, compressed
+///     sections     directory: where the top of each level's index is; records: the fields of a node's
+///     record;
+///                  metadata: JSON, the source's name, its orientation's meaning, the histogram; and any
+///                  others
+///     table        of the sections
 ///
-/// To sample a voxel: header -> directory entry of the node's page -> page -> NodeRecord -> brick. Each step
-/// is one range of bytes, so a store is read piecewise from a disk or by HTTP ranges.
+/// The index of a level is a tree of pages. At its foot a page holds the records of 8^3 nodes, above that
+/// where 8^3 pages are, up to one page that holds all. To sample a voxel: directory -> pages, top to foot ->
+/// NodeRecord -> brick. Each step is one range of bytes, so a store is read piecewise from a disk or by HTTP
+/// ranges, and how much is read first does not depend on its size.
 #pragma once
 
 #include <array>
@@ -24,14 +29,16 @@
 #include "gvx/core/result.h"
 #include "gvx/core/vec.h"
 #include "gvx/core/voxel.h"
+#include "gvx/store/checksum.h"
 
 namespace gvx::store {
 
 static_assert(std::endian::native == std::endian::little, "the store's structs are its bytes");
 
 inline constexpr std::array<char, 8> kMagic = {'G', 'V', 'X', 'S', 'T', 'O', 'R', 'E'};
-inline constexpr std::uint32_t kVersion = 2;
-/// Nodes along an edge of an index page.
+/// What this program writes, and the oldest that it reads.
+inline constexpr std::uint32_t kVersion = 3, kOldestVersion = 2;
+/// Nodes along an edge of an index page, and pages along an edge of the page above them.
 inline constexpr std::uint32_t kPageEdge = 8;
 inline constexpr std::uint32_t kPageNodes = kPageEdge * kPageEdge * kPageEdge;
 
@@ -57,19 +64,50 @@ struct FileHeader {
   double voxel_to_world[12];  ///< three columns and the origin of an Affine3
   double scale;               ///< physical value = scale * stored value + offset
   double offset;
-  ValueRange range;  ///< of all stored values of the first channel
-  std::uint64_t directory_offset, directory_bytes, directory_checksum;
-  std::uint64_t metadata_offset, metadata_bytes, metadata_checksum;
+  std::uint32_t content;       ///< VoxelContent
+  std::uint32_t planes;        ///< numbers a voxel
+  std::uint32_t border;        ///< voxels around a brick, on each side: 1 or 2
+  std::uint32_t flags;         ///< kNoData; a reader must know all that are set
+  std::uint32_t record_bytes;  ///< of a node's record
+  std::uint32_t sections;      ///< entries of the table of sections
+  std::uint64_t table_offset, table_checksum;
   std::uint64_t file_bytes;
-  std::uint32_t content;          ///< VoxelContent
-  std::uint32_t planes;           ///< numbers a voxel
+  std::uint64_t reserved[3];
   std::uint64_t header_checksum;  ///< of the bytes before it
 };
 static_assert(sizeof(FileHeader) == 256);
 
-/// What the index says of one node. Its ranges hold the voxels of its brick, of all bricks below it, and of a
-/// rim of n voxels around each: so also whatever the coarser level, blended in, can show within the node.
-/// Colour voxels have the range of their opacity there, from 0.
+/// Voxels of type f32 may be NaN: nothing was measured there.
+inline constexpr std::uint32_t kNoData = 1;
+
+/// The most voxels of a brick's border.
+inline constexpr std::uint32_t kMostBorder = 2;
+
+/// Where some bytes of the file are, and their checksum.
+struct BlockRef {
+  std::uint64_t offset;
+  std::uint32_t bytes;
+  std::uint32_t checksum;
+
+  constexpr bool operator==(const BlockRef&) const = default;
+};
+static_assert(sizeof(BlockRef) == 16);
+
+/// Where an index page is, or in its stead the one record that all nodes below have: a large part of a volume
+/// that has one value costs nothing.
+struct PageRef : BlockRef {
+  static constexpr std::uint32_t kOneRecord = 1u << 31;
+
+  bool one_record() const { return (bytes & kOneRecord) != 0; }
+  std::uint32_t stored_bytes() const { return bytes & ~kOneRecord; }
+
+  constexpr bool operator==(const PageRef&) const = default;
+};
+static_assert(sizeof(PageRef) == 16);
+
+/// What the index says of one node; record_layout.h says how it is stored. Its ranges hold the voxels of its
+/// brick, of all bricks below it, and of a rim of n voxels around each: so also whatever the coarser level,
+/// blended in, can show within the node. Colour voxels have the range of their opacity there, from 0.
 struct NodeRecord {
   std::uint64_t offset;    ///< of its compressed brick in the file
   std::uint32_t bytes;     ///< of its compressed brick; 0: all of the node is ranges.at_minimum()
@@ -78,24 +116,27 @@ struct NodeRecord {
 
   bool constant() const { return bytes == 0; }
 };
-static_assert(sizeof(NodeRecord) == 48);
-
-/// Where an index page is.
-struct PageEntry {
-  std::uint64_t offset;
-  std::uint32_t bytes;
-  std::uint32_t checksum;
-};
-static_assert(sizeof(PageEntry) == 16);
-
-/// XXH3, 64 bits; where a field has 32, its low half.
-std::uint64_t checksum(std::span<const std::byte> bytes);
 
 /// a * b, or the greatest number there is: sizes that come from files may be absurd.
 inline std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b) {
   std::uint64_t product = 0;
   return __builtin_mul_overflow(a, b, &product) ? UINT64_MAX : product;
 }
+
+/// How many are in a box of that size.
+inline std::uint64_t saturating_volume(Vec3i size) {
+  return saturating_product(
+      saturating_product(static_cast<std::uint64_t>(size.x), static_cast<std::uint64_t>(size.y)),
+      static_cast<std::uint64_t>(size.z));
+}
+
+/// The nodes first .. last - 1, along each axis, of a level.
+struct NodeBox {
+  std::uint32_t level = 0;
+  Vec3i first, last;
+
+  std::uint64_t nodes() const { return saturating_volume(last - first); }
+};
 
 /// As --memory takes it: "300M", rounded up.
 std::string mebibytes(std::uint64_t bytes);
@@ -116,13 +157,17 @@ struct TreeShape {
   Vec3i level_dimensions(std::uint32_t level) const;
   /// Nodes of a level that hold voxels.
   Vec3i level_nodes(std::uint32_t level) const;
-  /// Index pages of a level.
-  Vec3i level_pages(std::uint32_t level) const;
-  /// Index pages of all levels before this one; the greatest number there is where they are more.
-  std::uint64_t pages_before(std::uint32_t level) const;
+  /// Index pages of a level that hold its nodes' records.
+  Vec3i level_pages(std::uint32_t level) const { return index_pages(level, 0); }
+  /// Index pages of a height: 0 holds records of nodes, each above it 8^3 pages of the one below.
+  Vec3i index_pages(std::uint32_t level, std::uint32_t height) const;
+  /// The height of the one page that holds all of a level.
+  std::uint32_t index_height(std::uint32_t level) const;
+  /// The nodes of a page.
+  NodeBox page_nodes(std::uint32_t level, std::uint32_t height, Vec3i page) const;
   /// Does the node hold voxels of the volume?
   bool contains(const NodeKey& key) const;
-  /// Nodes of all levels.
+  /// Nodes of all levels; the greatest number there is where they are more.
   std::uint64_t nodes() const;
   /// Voxels along the edge of the tree's cube at the finest level: m * n^(levels-1).
   double cube_voxels() const { return m * nodes_across(static_cast<int>(n), levels - 1); }
@@ -133,6 +178,8 @@ struct VolumeInfo {
   TreeShape shape;
   VoxelFormat format;
   Codec codec = Codec::zstd;
+  std::uint32_t border = 1;  ///< voxels around a stored brick, on each side: 1 or 2
+  bool no_data = false;      ///< f32 voxels may be NaN: no data
   /// Voxel space (voxel i covers [i, i+1]) to world space; millimetres, x right, y anterior, z superior if
   /// anatomical.
   Affine3 voxel_to_world;
@@ -143,7 +190,17 @@ struct VolumeInfo {
   /// Of each channel: voxels of the finest level in equal bins over its range.
   std::vector<std::vector<std::uint64_t>> histograms;
 
-  std::size_t brick_bytes() const { return gvx::brick_bytes(format, shape.m); }
+  /// Numbers of one plane of a brick with such a border.
+  std::size_t texels(std::uint32_t border_voxels) const {
+    const std::size_t edge = shape.m + std::size_t{2} * border_voxels;
+    return edge * edge * edge;
+  }
+  /// Of a brick as core/voxel.h lays it out, with a border of one; one of two takes more for its voxels, and
+  /// as much for deviations.
+  std::size_t brick_bytes(std::uint32_t border_voxels = 1) const {
+    return gvx::brick_bytes(format, shape.m) +
+           format.planes * (texels(border_voxels) - texels(1)) * voxel_bytes(format.type);
+  }
 };
 
 }  // namespace gvx::store

@@ -17,9 +17,9 @@ namespace {
 constexpr std::int64_t kLeastBand = 64;  // rows of a slice that are worth a thread's while
 
 /// How many bricks are compressed together before they are written in order.
-std::size_t bricks_at_once(VoxelFormat format, std::uint32_t m) {
+std::size_t bricks_at_once(std::size_t brick_bytes) {
   constexpr std::size_t kBytes = 8 << 20, kLeast = 16, kMost = 512;
-  return std::clamp(kBytes / brick_bytes(format, m), kLeast, kMost);
+  return std::clamp(kBytes / brick_bytes, kLeast, kMost);
 }
 
 ChannelRanges nothing(std::uint32_t channels) {
@@ -50,7 +50,7 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
   StoreWriter& writer;
   VolumeInfo info;
   const VoxelFormat format;
-  const std::int64_t m, n;
+  const std::int64_t m, n, border;
   std::vector<Level> levels;
   // Of each channel as many as there are bands; a slice's rows are counted band by band, side by side.
   const std::int64_t bands;
@@ -63,8 +63,10 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
         format(info.format),
         m(info.shape.m),
         n(info.shape.n),
+        border(info.border),
         bands(std::clamp<std::int64_t>(info.shape.dimensions.y / kLeastBand, 1, device.threads())),
         histograms(format.channels() * static_cast<std::size_t>(bands)) {
+    GVX_CHECK(border >= 1 && border <= std::int64_t{kMostBorder} && border <= n);
     const TreeShape& shape = info.shape;
     for (std::uint32_t l = 0; l < shape.levels; ++l) {
       Level level;
@@ -297,12 +299,13 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
 
   /// Cuts out a plane of the brick of node (nx, ny) of the current layer, border included.
   void gather(Level& level, std::vector<Voxel>& plane, std::int64_t nx, std::int64_t ny, Voxel* brick) {
-    const std::int64_t edge = m + 2, x0 = nx * m - 1;
+    const std::int64_t edge = m + 2 * border, x0 = nx * m - border;
     const Vec3i d = level.dimensions;
     for (std::int64_t k = 0; k < edge; ++k) {
-      const Voxel* from = slice(plane, level, std::clamp(level.layers * m + k - 1, std::int64_t(0), d.z - 1));
+      const Voxel* from =
+          slice(plane, level, std::clamp(level.layers * m + k - border, std::int64_t(0), d.z - 1));
       for (std::int64_t j = 0; j < edge; ++j) {
-        const Voxel* row = from + std::clamp(ny * m + j - 1, std::int64_t(0), d.y - 1) * d.x;
+        const Voxel* row = from + std::clamp(ny * m + j - border, std::int64_t(0), d.y - 1) * d.x;
         Voxel* to = brick + (k * edge + j) * edge;
         if (x0 >= 0 && x0 + edge <= d.x) {
           copy_row(row + x0, edge, to);
@@ -379,7 +382,7 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
 
   /// Fills `brick` with all planes and deviations of a node.
   void gather_brick(Level& level, std::int64_t nx, std::int64_t ny, std::span<std::byte> brick) {
-    const auto texels = plane_texels(static_cast<std::size_t>(m));
+    const auto texels = info.texels(info.border);
     auto* voxels = reinterpret_cast<Voxel*>(brick.data());
     for (auto& plane : level.planes) {
       gather(level, plane, nx, ny, voxels);
@@ -403,15 +406,15 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     compressed.clear();
     if (ranges.constant()) return;
     thread_local std::vector<std::byte> brick;
-    brick.resize(info.brick_bytes());
+    brick.resize(info.brick_bytes(info.border));
     gather_brick(level, nx, ny, brick);
-    compress(info.codec, {sizeof(Voxel), format.planes * plane_texels(info.shape.m)}, brick, compressed);
+    compress(info.codec, {sizeof(Voxel), format.planes * info.texels(info.border)}, brick, compressed);
   }
 
   Status write_layer(std::uint32_t l) {
     Level& level = levels[l];
     auto& below = level.below[level.layers % 2];
-    const std::size_t count = below.size(), at_once = bricks_at_once(format, info.shape.m);
+    const std::size_t count = below.size(), at_once = bricks_at_once(info.brick_bytes(info.border));
     std::vector<std::vector<std::byte>> compressed[2];
     for (auto& bricks : compressed) bricks.resize(std::min(count, at_once));
     std::vector<ChannelRanges> ranges(count);
@@ -492,7 +495,10 @@ PyramidBuilder::PyramidBuilder(const exec::Device& cpu, StoreWriter& writer, Vol
 
 PyramidBuilder::~PyramidBuilder() = default;
 
-std::uint64_t PyramidBuilder::window_bytes(const TreeShape& shape, VoxelFormat format) {
+std::uint64_t PyramidBuilder::window_bytes(const VolumeInfo& info) {
+  const TreeShape& shape = info.shape;
+  const VoxelFormat format = info.format;
+  const std::size_t brick = info.brick_bytes(info.border);
   double bytes = 0;
   for (std::uint32_t l = 0; l < shape.levels; ++l) {
     const Vec3d d(shape.level_dimensions(l)), pages(shape.level_pages(l));
@@ -500,16 +506,15 @@ std::uint64_t PyramidBuilder::window_bytes(const TreeShape& shape, VoxelFormat f
     const std::size_t number = voxel_bytes(format.type) + (coarse ? sizeof(float) : 0);
     bytes += d.x * d.y * (shape.m + 2 * shape.n) * static_cast<double>(number * format.planes);
     bytes += pages.x * pages.y * kPageNodes * sizeof(NodeRecord);
-    bytes += pages.x * pages.y * pages.z * sizeof(PageEntry);
     const Vec3d nodes(shape.level_nodes(l));
     bytes += nodes.x * nodes.y * 3 * sizeof(ChannelRanges);
     // Two batches of compressed bricks, which may be as large as they were.
     if (l + 1 == shape.levels) {
-      bytes += std::min(nodes.x * nodes.y, 2.0 * static_cast<double>(bricks_at_once(format, shape.m))) *
-               static_cast<double>(brick_bytes(format, shape.m));
+      bytes += std::min(nodes.x * nodes.y, 2.0 * static_cast<double>(bricks_at_once(brick))) *
+               static_cast<double>(brick);
     }
   }
-  bytes += 2.0 * StoreWriter::kPendingBytes;
+  bytes += static_cast<double>(StoreWriter::most_bytes(shape));
   return bytes < 0x1p63 ? static_cast<std::uint64_t>(bytes) : UINT64_MAX / 2;
 }
 

@@ -11,8 +11,9 @@
 ///     above          [.....m+2n slices....]  -> bricks of one layer -> writer
 ///                          | ...
 ///
-/// Voxels beyond the volume's faces repeat those at the face; means take only the voxels that exist. Of
-/// scalars each coarse level also keeps the variance of what its voxels stand for.
+/// A brick is cut out with the border that `info` says, 1 or 2: both are within the rim of n. Voxels beyond
+/// the volume's faces repeat those at the face; means take only the voxels that exist. Of scalars each coarse
+/// level also keeps the variance of what its voxels stand for.
 #pragma once
 
 #include <cstdint>
@@ -36,9 +37,9 @@ class PyramidBuilder {
   PyramidBuilder(const exec::Device& cpu, StoreWriter& writer, VolumeInfo info);
   ~PyramidBuilder();
 
-  /// The memory that the build will take: about m+2n slices of the finest level, as much again for the
-  /// variances of u8 scalars, and the directory.
-  static std::uint64_t window_bytes(const TreeShape& shape, VoxelFormat format);
+  /// The memory that the build will take: about m+2n slices of the finest level, and as much again for the
+  /// variances of u8 scalars.
+  static std::uint64_t window_bytes(const VolumeInfo& info);
 
   /// The next slices, dimensions.x * dimensions.y voxels each, the numbers of a voxel side by side. Voxels of
   /// type f32 must be finite.

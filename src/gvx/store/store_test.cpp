@@ -167,15 +167,17 @@ TEST(StoreWriter, leaves_nothing_when_it_does_not_finish) {
   const std::string path = temporary("unfinished.gvx");
   std::filesystem::remove(path);
   {
-    const auto writer = StoreWriter::create(path, TreeShape::covering({64, 64, 64}, 2, 16)).value();
+    const auto writer =
+        StoreWriter::create(path, TreeShape::covering({64, 64, 64}, 2, 16), VoxelFormat()).value();
     EXPECT_TRUE(std::filesystem::exists(path + ".partial"));
-    const auto second = StoreWriter::create(path, TreeShape::covering({64, 64, 64}, 2, 16));
+    const auto second = StoreWriter::create(path, TreeShape::covering({64, 64, 64}, 2, 16), VoxelFormat());
     ASSERT_FALSE(second.ok());
     EXPECT_NE(second.error().message.find("another build"), std::string::npos);
   }
   EXPECT_FALSE(std::filesystem::exists(path + ".partial"));
   EXPECT_FALSE(std::filesystem::exists(path));
-  EXPECT_FALSE(StoreWriter::create("/no/such/folder/x.gvx", TreeShape::covering({8, 8, 8}, 2, 8)).ok());
+  EXPECT_FALSE(
+      StoreWriter::create("/no/such/folder/x.gvx", TreeShape::covering({8, 8, 8}, 2, 8), VoxelFormat()).ok());
 }
 
 TEST(StoreWriter, a_full_disk_is_an_error) {

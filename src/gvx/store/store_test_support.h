@@ -42,13 +42,14 @@ constexpr VoxelType voxel_type_of() {
 
 template <typename Voxel>
 Status write_store(const TestVolume<Voxel>& volume, const std::string& path, std::uint32_t n, std::uint32_t m,
-                   Codec codec = Codec::zstd, int threads = 2) {
+                   Codec codec = Codec::zstd, int threads = 2, std::uint32_t border = 1) {
   VolumeInfo info;
   info.shape = TreeShape::covering(volume.dimensions, n, m);
   info.format.type = voxel_type_of<Voxel>();
   info.codec = codec;
+  info.border = border;
   info.source = "test";
-  GVX_ASSIGN(const auto writer, StoreWriter::create(path, info.shape));
+  GVX_ASSIGN(const auto writer, StoreWriter::create(path, info.shape, info.format));
   PyramidBuilder builder(exec::Device::cpu(threads), *writer, info);
   GVX_TRY(builder.push_slices(volume.dimensions.z, std::as_bytes(std::span(volume.voxels))));
   return builder.finish();

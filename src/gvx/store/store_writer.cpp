@@ -6,24 +6,26 @@
 
 #include <unistd.h>
 
-#include "gvx/store/codec.h"
+#include "gvx/store/header.h"
 
 namespace gvx::store {
 
-StoreWriter::StoreWriter(PartialFile file, const TreeShape& shape)
+StoreWriter::StoreWriter(PartialFile file, const TreeShape& shape, const RecordLayout& layout)
     : file_(std::move(file)),
       partial_path_(file_.name()),
       descriptor_(file_.descriptor()),
       shape_(shape),
-      directory_(shape.pages_before(shape.levels)) {}
+      layout_(layout),
+      index_(shape, layout, [this](std::span<const std::byte> bytes) { return add_block(bytes); }) {}
 
 StoreWriter::~StoreWriter() {
   (void)wait_for_writing();
 }
 
-Result<std::unique_ptr<StoreWriter>> StoreWriter::create(const std::string& path, const TreeShape& shape) {
+Result<std::unique_ptr<StoreWriter>> StoreWriter::create(const std::string& path, const TreeShape& shape,
+                                                         const RecordLayout& layout) {
   GVX_ASSIGN(PartialFile file, PartialFile::create(path));
-  return std::unique_ptr<StoreWriter>(new StoreWriter(std::move(file), shape));
+  return std::unique_ptr<StoreWriter>(new StoreWriter(std::move(file), shape, layout));
 }
 
 Status StoreWriter::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
@@ -63,69 +65,60 @@ Status StoreWriter::wait_for_writing() {
   return writing_.valid() ? writing_.get() : Status();
 }
 
+Result<BlockRef> StoreWriter::add_block(std::span<const std::byte> bytes) {
+  const BlockRef block{end_, static_cast<std::uint32_t>(bytes.size()),
+                       static_cast<std::uint32_t>(checksum(bytes))};
+  GVX_TRY(append(bytes));
+  return block;
+}
+
 Result<NodeRecord> StoreWriter::add_brick(std::span<const std::byte> compressed,
                                           const ChannelRanges& ranges) {
-  const NodeRecord record{end_, static_cast<std::uint32_t>(compressed.size()),
-                          static_cast<std::uint32_t>(checksum(compressed)), ranges};
-  GVX_TRY(append(compressed));
-  return record;
+  GVX_ASSIGN(const BlockRef block, add_block(compressed));
+  return NodeRecord{block.offset, block.bytes, block.checksum, ranges};
+}
+
+Status StoreWriter::set_background(std::uint32_t level, const ChannelRanges& constant) {
+  std::vector<std::byte> record(layout_.bytes());
+  layout_.encode({0, 0, 0, constant}, record.data());
+  return index_.set_background(level, record);
+}
+
+Status StoreWriter::add_page(std::uint32_t level, Vec3i page, std::span<const std::byte> records) {
+  return index_.add_page(level, page, records);
 }
 
 Status StoreWriter::add_page_layer(std::uint32_t level, std::int64_t page_z,
                                    std::span<const NodeRecord> records) {
+  constexpr std::int64_t kEdge = kPageEdge;
   const Vec3i pages = shape_.level_pages(level);
-  const std::int64_t row = pages.x * kPageEdge, slice = row * pages.y * kPageEdge;
-  GVX_CHECK(static_cast<std::int64_t>(records.size()) == slice * kPageEdge);
-  std::vector<NodeRecord> page(kPageNodes);
-  std::vector<std::byte> compressed;
+  const std::int64_t row = pages.x * kEdge, slice = row * pages.y * kEdge;
+  GVX_CHECK(static_cast<std::int64_t>(records.size()) == slice * kEdge);
+  std::vector<std::byte> page(std::size_t{kPageNodes} * layout_.bytes());
   for (std::int64_t py = 0; py < pages.y; ++py) {
     for (std::int64_t px = 0; px < pages.x; ++px) {
-      for (std::int64_t z = 0; z < kPageEdge; ++z) {
-        for (std::int64_t y = 0; y < kPageEdge; ++y) {
-          const auto from = records.begin() + z * slice + (py * kPageEdge + y) * row + px * kPageEdge;
-          std::copy(from, from + kPageEdge, page.begin() + (z * kPageEdge + y) * kPageEdge);
-        }
+      std::byte* to = page.data();
+      for (std::int64_t i = 0; i < kPageNodes; ++i, to += layout_.bytes()) {
+        const std::int64_t x = px * kEdge + i % kEdge, y = py * kEdge + i / kEdge % kEdge,
+                           z = i / (kEdge * kEdge);
+        layout_.encode(records[static_cast<std::size_t>(z * slice + y * row + x)], to);
       }
-      compress(Codec::zstd, {sizeof(NodeRecord), kPageNodes}, std::as_bytes(std::span(page)), compressed);
-      const std::uint64_t index =
-          shape_.pages_before(level) + static_cast<std::uint64_t>((page_z * pages.y + py) * pages.x + px);
-      directory_[index] = {end_, static_cast<std::uint32_t>(compressed.size()),
-                           static_cast<std::uint32_t>(checksum(compressed))};
-      GVX_TRY(append(compressed));
+      GVX_TRY(add_page(level, {px, py, page_z}, page));
     }
   }
   return {};
 }
 
-Status StoreWriter::finish(const VolumeInfo& info) {
-  FileHeader header{};
-  header.magic = kMagic;
-  header.version = kVersion;
-  header.header_bytes = sizeof(FileHeader);
-  header.n = shape_.n;
-  header.m = shape_.m;
-  header.voxel_type = static_cast<std::uint32_t>(info.format.type);
-  header.content = static_cast<std::uint32_t>(info.format.content);
-  header.planes = info.format.planes;
-  header.codec = static_cast<std::uint32_t>(info.codec);
-  for (int axis = 0; axis < 3; ++axis) {
-    header.dimensions[axis] = static_cast<std::uint64_t>(shape_.dimensions[axis]);
-  }
-  header.levels = shape_.levels;
-  header.page_edge = kPageEdge;
-  for (int i = 0; i < 12; ++i) {
-    header.voxel_to_world[i] =
-        i < 9 ? info.voxel_to_world.column[i / 3][i % 3] : info.voxel_to_world.origin[i % 3];
-  }
-  header.scale = info.scale;
-  header.offset = info.offset;
-  header.range = info.ranges.channel[0];
+Status StoreWriter::add_section(const std::string& name, std::uint32_t version, bool required,
+                                std::span<const std::byte> bytes) {
+  sections_.push_back({name, version, required, end_, bytes.size(), checksum(bytes)});
+  return append(bytes);
+}
 
-  const auto directory = std::as_bytes(std::span(directory_));
-  header.directory_offset = end_;
-  header.directory_bytes = directory.size();
-  header.directory_checksum = checksum(directory);
-  GVX_TRY(append(directory));
+Status StoreWriter::finish(const VolumeInfo& info) {
+  GVX_ASSIGN(const auto directory, index_.finish());
+  GVX_TRY(add_section(kDirectorySection, 1, true, std::as_bytes(std::span(directory))));
+  GVX_TRY(add_section(kRecordsSection, 1, true, std::as_bytes(std::span(layout_.fields()))));
 
   nlohmann::json channels = nlohmann::json::array();
   for (std::uint32_t c = 0; c < info.format.channels(); ++c) {
@@ -135,11 +128,15 @@ Status StoreWriter::finish(const VolumeInfo& info) {
   const nlohmann::json metadata = {
       {"source", info.source}, {"anatomical", info.anatomical}, {"channels", channels}};
   const std::string text = metadata.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  const auto text_bytes = std::as_bytes(std::span(text));
-  header.metadata_offset = end_;
-  header.metadata_bytes = text.size();
-  header.metadata_checksum = checksum(text_bytes);
-  GVX_TRY(append(text_bytes));
+  GVX_TRY(add_section(kMetadataSection, 1, true, std::as_bytes(std::span(text))));
+
+  FileHeader header = header_of(info, layout_.bytes());
+  const auto table = section_table(sections_);
+  const auto table_bytes = std::as_bytes(std::span(table));
+  header.sections = static_cast<std::uint32_t>(table.size());
+  header.table_offset = end_;
+  header.table_checksum = checksum(table_bytes);
+  GVX_TRY(append(table_bytes));
 
   GVX_TRY(write_pending());
   GVX_TRY(wait_for_writing());

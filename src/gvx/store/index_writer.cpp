@@ -1,0 +1,155 @@
+#include "gvx/store/index_writer.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "gvx/store/codec.h"
+
+namespace gvx::store {
+namespace {
+
+constexpr std::int64_t kEdge = kPageEdge;
+
+/// References that a block of a height has room for.
+std::size_t block_refs(Vec3i pages) {
+  return static_cast<std::size_t>(pages.x * pages.y * std::min(pages.z, kEdge));
+}
+
+}  // namespace
+
+IndexWriter::IndexWriter(const TreeShape& shape, const RecordLayout& layout, Append append)
+    : shape_(shape), layout_(layout), append_(std::move(append)), levels_(shape.levels) {
+  for (std::uint32_t level = 0; level < shape.levels; ++level) {
+    for (std::uint32_t height = 0; height < shape.index_height(level); ++height) {
+      levels_[level].heights.push_back({shape.index_pages(level, height), 0, {}});
+    }
+  }
+}
+
+std::uint64_t IndexWriter::most_bytes(const TreeShape& shape) {
+  std::uint64_t bytes = 0;
+  for (std::uint32_t level = 0; level < shape.levels; ++level) {
+    for (std::uint32_t height = 0; height < shape.index_height(level); ++height) {
+      bytes += block_refs(shape.index_pages(level, height)) * sizeof(PageRef);
+    }
+  }
+  return bytes;
+}
+
+Status IndexWriter::set_background(std::uint32_t level, std::span<const std::byte> record) {
+  GVX_CHECK(record.size() == layout_.bytes() && layout_.decode(record.data()).constant());
+  GVX_ASSIGN(levels_[level].background, page_of_one_record(record));
+  levels_[level].top = levels_[level].background;
+  return {};
+}
+
+Status IndexWriter::add_page(std::uint32_t level, Vec3i page, std::span<const std::byte> records) {
+  GVX_CHECK(records.size() == std::size_t{kPageNodes} * layout_.bytes());
+  const auto one = one_record(level, page, records);
+  GVX_ASSIGN(const PageRef ref, one.empty() ? write_page(layout_.bytes(), records) : page_of_one_record(one));
+  return put(level, 0, page, ref);
+}
+
+Result<std::vector<PageRef>> IndexWriter::finish() {
+  std::vector<PageRef> tops;
+  for (std::uint32_t level = 0; level < shape_.levels; ++level) {
+    for (std::uint32_t height = 0; height < levels_[level].heights.size(); ++height) {
+      const std::int64_t layers = levels_[level].heights[height].pages.z;
+      GVX_TRY(write_blocks(level, height, (layers + kEdge - 1) / kEdge));
+    }
+    GVX_CHECK(levels_[level].top.bytes != 0);
+    tops.push_back(levels_[level].top);
+  }
+  return tops;
+}
+
+Result<PageRef> IndexWriter::page_of_one_record(std::span<const std::byte> record) {
+  if (!std::equal(record.begin(), record.end(), last_record_.begin(), last_record_.end())) {
+    GVX_ASSIGN(const BlockRef written, append_(record));
+    last_ref_ = {written};
+    last_ref_.bytes |= PageRef::kOneRecord;
+    last_record_.assign(record.begin(), record.end());
+  }
+  return last_ref_;
+}
+
+std::span<const std::byte> IndexWriter::one_record(std::uint32_t level, Vec3i page,
+                                                   std::span<const std::byte> records) const {
+  const std::size_t bytes = layout_.bytes();
+  const auto first = records.first(bytes);
+  if (!layout_.decode(first.data()).constant()) return {};
+  const NodeBox nodes = shape_.page_nodes(level, 0, page);
+  const Vec3i size = nodes.last - nodes.first;
+  for (std::int64_t z = 0; z < size.z; ++z) {
+    for (std::int64_t y = 0; y < size.y; ++y) {
+      for (std::int64_t x = 0; x < size.x; ++x) {
+        const auto at = static_cast<std::size_t>((z * kEdge + y) * kEdge + x);
+        if (std::memcmp(records.data() + at * bytes, first.data(), bytes) != 0) return {};
+      }
+    }
+  }
+  return first;
+}
+
+Status IndexWriter::put(std::uint32_t level, std::uint32_t height, Vec3i page, const PageRef& ref) {
+  Level& l = levels_[level];
+  if (height == l.heights.size()) {
+    l.top = ref;
+    return {};
+  }
+  GVX_TRY(write_blocks(level, height, page.z / kEdge));
+  Height& h = l.heights[height];
+  GVX_CHECK(page.z / kEdge == h.block);
+  if (h.refs.empty()) h.refs.assign(block_refs(h.pages), l.background);
+  h.refs[static_cast<std::size_t>((page.z % kEdge * h.pages.y + page.y) * h.pages.x + page.x)] = ref;
+  return {};
+}
+
+/// Writes the pages above the blocks before `end`.
+Status IndexWriter::write_blocks(std::uint32_t level, std::uint32_t height, std::int64_t end) {
+  while (levels_[level].heights[height].block < end) GVX_TRY(write_block(level, height));
+  return {};
+}
+
+Status IndexWriter::write_block(std::uint32_t level, std::uint32_t height) {
+  Level& l = levels_[level];
+  Height& h = l.heights[height];
+  if (h.refs.empty()) h.refs.assign(block_refs(h.pages), l.background);
+  const Vec3i above = shape_.index_pages(level, height + 1);
+  const std::int64_t layers = std::min(h.pages.z - h.block * kEdge, kEdge);
+  for (std::int64_t y = 0; y < above.y; ++y) {
+    for (std::int64_t x = 0; x < above.x; ++x) {
+      std::array<PageRef, kPageNodes> page{};
+      const std::int64_t across = std::min(h.pages.x - x * kEdge, kEdge),
+                         down = std::min(h.pages.y - y * kEdge, kEdge);
+      bool same = true;
+      for (std::int64_t k = 0; k < layers; ++k) {
+        for (std::int64_t j = 0; j < down; ++j) {
+          const PageRef* from = h.refs.data() + (k * h.pages.y + y * kEdge + j) * h.pages.x + x * kEdge;
+          PageRef* to = page.data() + (k * kEdge + j) * kEdge;
+          std::copy(from, from + across, to);
+          same = same && std::all_of(to, to + across, [&](const PageRef& r) { return r == page[0]; });
+          // A page that is not there, in a level without a background.
+          GVX_CHECK(std::all_of(to, to + across, [](const PageRef& r) { return r.bytes != 0; }));
+        }
+      }
+      PageRef ref = page[0];
+      if (!same || !ref.one_record()) {
+        GVX_ASSIGN(ref, write_page(sizeof(PageRef), std::as_bytes(std::span(page))));
+      }
+      GVX_TRY(put(level, height + 1, {x, y, h.block}, ref));
+    }
+  }
+  std::fill(h.refs.begin(), h.refs.end(), l.background);
+  ++h.block;
+  return {};
+}
+
+Result<PageRef> IndexWriter::write_page(std::size_t element_bytes, std::span<const std::byte> raw) {
+  compress(Codec::zstd, {element_bytes, kPageNodes}, raw, compressed_);
+  GVX_ASSIGN(const BlockRef written, append_(compressed_));
+  return PageRef{written};
+}
+
+}  // namespace gvx::store
