@@ -180,6 +180,12 @@ TEST_F(Outputs, devices_and_pipes_are_written_to) {
                   " render sponge --size 8x8 -o p.png & timeout 60 cat p.png > copy.png; wait; }");
   EXPECT_EQ(io::read_png(path("copy.png")).value().width, 8u);
   EXPECT_TRUE(fs::is_fifo(path("p.png")));
+  ASSERT_EQ(::mkfifo(path("in").c_str(), 0600), 0);
+  outcome = shell("cd '" + folder() +
+                  "' && { head -c 4096 /dev/zero > in & timeout 60 " GVX_PROGRAM
+                  " render in --dims 16,16,16 --dtype u8 -o a.png --size 8x8 --quiet; wait; }");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_NE(outcome.output.find("nothing can be seen"), std::string::npos) << outcome.output;
   // Only root may make one.
   if (shell("mknod '" + path("mynull") + "' c 1 3").status == 0) {
     EXPECT_EQ(gvx(render + "--stats mynull --save-scene mynull").status, 0);
@@ -415,6 +421,12 @@ TEST_F(Outputs, hostile_arguments_are_one_line) {
     EXPECT_EQ(full.status, 1);
     EXPECT_NE(full.output.find("standard output: cannot write"), std::string::npos) << full.output;
   }
+  EXPECT_EQ(gvx("render --help | head -n 1").output, "Render a picture of a scene\n");
+  // A closed stream must not become the picture.
+  const Outcome closed = gvx("render sponge --size 8x8 -o closed.png >&-");
+  EXPECT_EQ(closed.status, 1);
+  EXPECT_NE(closed.output.find("standard output: cannot write"), std::string::npos) << closed.output;
+  EXPECT_EQ(io::read_png(path("closed.png")).value().width, 8u);
   // A disk that takes 4 blocks of 512 bytes, as far as this program is concerned.
   const Outcome outcome =
       shell("cd '" + folder() +

@@ -10,6 +10,10 @@
 #include <map>
 #include <new>
 
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
 #include "commands.h"
 #include "messages.h"
 #include "signals.h"
@@ -22,10 +26,27 @@ int fail(const std::string& message) {
   return 1;
 }
 
-/// What was printed may have gone into a buffer, and be lost only now.
+/// A standard stream that was closed would become the next file that is opened, and what is printed would go
+/// into it. Such a stream fails instead.
+void occupy_closed_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) >= 0) continue;
+    (void)open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+  }
+}
+
+bool reader_has_gone() {
+  pollfd output{STDOUT_FILENO, 0, 0};
+  return poll(&output, 1, 0) > 0 && (output.revents & POLLERR) != 0;
+}
+
+/// What was printed may have gone into a buffer, and be lost only now. A reader that has gone, such as
+/// `head`, has what it wanted.
 int finish_output(int status) {
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
-  return fail(std::string("standard output: cannot write: ") + std::strerror(errno));
+  const bool failed_before = std::ferror(stdout) != 0;
+  if (std::fflush(stdout) == 0 && !failed_before) return status;
+  const std::string reason = failed_before ? "" : std::string(": ") + std::strerror(errno);
+  return reader_has_gone() ? status : fail("standard output: cannot write" + reason);
 }
 
 int run(int argc, char** argv) {
@@ -52,6 +73,7 @@ int run(int argc, char** argv) {
 }  // namespace gvx::app
 
 int main(int argc, char** argv) {
+  gvx::app::occupy_closed_streams();
   // A reader of our output that goes away is an error of writing, not a signal; so is a file that grows
   // larger than one may be.
   std::signal(SIGPIPE, SIG_IGN);

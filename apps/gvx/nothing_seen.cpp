@@ -138,8 +138,10 @@ std::optional<std::string> wrong_camera(const render::View& view, const produce:
   return "the camera looks past the volume" + where;
 }
 
-bool is_dark(const scene::Lighting& lighting) {
-  return lighting.enabled && !(lighting.ambient > 0) &&
+bool is_dark(const render::View& view) {
+  const scene::Lighting& lighting = view.lighting;
+  const bool lit = view.mode == scene::Mode::composite || view.mode == scene::Mode::isosurface;
+  return lit && lighting.enabled && !(lighting.ambient > 0) &&
          (lighting.lights == 0 || (!(lighting.diffuse > 0) && !(lighting.specular > 0)));
 }
 
@@ -163,7 +165,7 @@ std::optional<std::string> why_nothing_is_seen(const render::Picture& picture, c
   if (auto camera = wrong_camera(view, tree, box)) return camera;
   if (!exact) return std::nullopt;
   if (most > 0) return "all that is seen is too faint: at most " + text_of(double(most)) + " of 1";
-  if (view.opaque_background && is_dark(view.lighting)) return std::string("no light falls on what is seen");
+  if (view.opaque_background && is_dark(view)) return std::string("no light falls on what is seen");
   const std::string where = proxy ? "within the proxy mesh where the camera looks" : "where the camera looks";
   if (view.mode == scene::Mode::isosurface) {
     return "no surface of isovalue " + text_of(view.isovalue) + " is " + where;

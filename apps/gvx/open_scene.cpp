@@ -111,6 +111,9 @@ Result<std::unique_ptr<store::StoreReader>> build_nameless_store(const Devices& 
 
 Result<bool> is_store(const std::string& path) {
   if (path == "-") return false;
+  std::error_code ignored;
+  // To look into a pipe would take away what is in it.
+  if (std::filesystem::is_fifo(path, ignored)) return path.ends_with(".gvx");
   std::ifstream file(path, std::ios::binary);
   if (!file) return Error{path + ": cannot open: " + std::strerror(errno)};
   std::array<char, 8> magic{};
