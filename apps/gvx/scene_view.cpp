@@ -157,7 +157,8 @@ Status check_cameras(const scene::SceneFile& scene, const SceneFlags& flags) {
     const bool has_place = (key.camera.eye && (key.camera.target || key.camera.origin)) || stated.has_place;
     if (!has_place) {
       // Any place that is a view will do.
-      camera.eye = camera.target + Vec3d(1, 0, 0);
+      camera.eye = {1, 0, 0};
+      camera.target = {0, 0, 0};
       camera.up = {0, 0, 1};
     }
     path.push_back({key.frame, camera});
