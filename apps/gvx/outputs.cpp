@@ -1,9 +1,9 @@
 #include "outputs.h"
 
-#include <compare>
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include <sys/stat.h>
@@ -23,7 +23,9 @@ struct FileIdentity {
   std::string name = {};
 
   bool is_new() const { return !name.empty(); }
-  auto operator<=>(const FileIdentity&) const = default;
+  bool operator<(const FileIdentity& other) const {
+    return std::tie(device, number, name) < std::tie(other.device, other.number, other.name);
+  }
 };
 
 /// Of a regular file.

@@ -243,9 +243,10 @@ Result<engine::Statistics> render_frames(const Studio& studio, render::View view
   return statistics;
 }
 
-Status write_text(const std::string& path, const std::string& text) {
+Status write_text(const char* flag, const std::string& path, const std::string& text) {
   std::fflush(stdout);  // which `path` may name
-  return io::write_file_atomically(path, std::as_bytes(std::span(text)));
+  const Status status = io::write_file_atomically(path, std::as_bytes(std::span(text)));
+  return status.ok() ? status : Error{std::string(flag) + " " + status.error().message};
 }
 
 Result<std::optional<scene::CameraPath>> camera_path(const scene::SceneFile& scene) {
@@ -295,7 +296,7 @@ Status render(const Options& o) {
   if (path) view.camera = path->key_frames().front().camera;
   if (!o.save_scene.empty()) {
     relate_names(scene, o.save_scene);
-    GVX_TRY(write_text(o.save_scene, scene::to_json(scene)));
+    GVX_TRY(write_text("--save-scene", o.save_scene, scene::to_json(scene)));
   }
   if (!o.proxy.empty()) {
     GVX_ASSIGN(engine_options.proxy, make_proxy(std::move(proxy), opened, view));
@@ -304,7 +305,7 @@ Status render(const Options& o) {
   const Studio studio{o, device, *engine, engine_options.proxy != nullptr};
   GVX_ASSIGN(const engine::Statistics statistics,
              frames ? render_frames(studio, view, *frames, path) : render_still(studio, view));
-  if (!o.stats.empty()) GVX_TRY(write_text(o.stats, to_json(statistics).dump(2) + "\n"));
+  if (!o.stats.empty()) GVX_TRY(write_text("--stats", o.stats, to_json(statistics).dump(2) + "\n"));
   if (!frames && !o.quiet) {
     report(o.output, view, statistics, device);
     std::printf("--camera '%s'\n", scene::to_text(view.camera).c_str());

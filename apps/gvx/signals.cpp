@@ -1,6 +1,7 @@
 #include "signals.h"
 
 #include <csignal>
+#include <string_view>
 #include <thread>
 
 #include <pthread.h>
@@ -24,11 +25,19 @@ sigset_t ending_signals() {
   return signals;
 }
 
+/// Of a progress bar, in which the terminal's cursor still stands.
+void clear_line() {
+  constexpr std::string_view kClear = "\r\033[K";
+  const ssize_t ignored = write(STDERR_FILENO, kClear.data(), kClear.size());
+  (void)ignored;
+}
+
 /// A thread, unlike a handler, may wait until a file that is being made has been entered in the list.
 void wait_and_end(sigset_t signals) {
   int signal = 0;
   if (sigwait(&signals, &signal) != 0) return;
   remove_partial_files();
+  if (isatty(STDERR_FILENO) == 1) clear_line();
   std::signal(signal, SIG_DFL);
   sigset_t this_one;
   sigemptyset(&this_one);
