@@ -44,6 +44,11 @@ TEST_F(Program, builds_verifies_describes_and_renders) {
   EXPECT_EQ(info["spacing"], (std::vector<double>{1, 1, 2}));
   EXPECT_EQ(info["brick"], 8);
   EXPECT_EQ(info["codec"], "lz4");
+  EXPECT_EQ(info["format"], "gvx store, version 3");
+  EXPECT_EQ(info["border"], 1);
+  ASSERT_EQ(info["sections"].size(), 3u);
+  EXPECT_EQ(info["sections"][0]["name"], "directory");
+  EXPECT_NE(gvx("info ball.gvx").output.find("directory"), std::string::npos);
   outcome = gvx("render ball.gvx -o ball.png --size 80x60 --tf solid --stats ball.json");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const auto image = io::read_png(path("ball.png")).value();
@@ -415,6 +420,18 @@ TEST_F(Program, a_damaged_store_is_an_error_and_leaves_no_picture) {
   expect_error("render ball.gvx -o a.png", "ball.gvx: corrupt");
   expect_error("verify ball.gvx", "ball.gvx: corrupt");
   EXPECT_FALSE(fs::exists(path("a.png")));
+}
+
+TEST_F(Program, a_store_of_a_newer_version_is_an_error_that_says_so) {
+  write_ball();
+  ASSERT_EQ(gvx("build ball_40x36x30_uint8.raw -o ball.gvx").status, 0);
+  std::fstream file(path("ball.gvx"), std::ios::binary | std::ios::in | std::ios::out);
+  file.seekp(8);
+  file.put(4);
+  file.close();
+  for (const char* command : {"render ball.gvx -o a.png", "info ball.gvx", "verify ball.gvx"}) {
+    expect_error(command, "ball.gvx: made by a newer gvx: version 4; this program reads up to 3");
+  }
 }
 
 TEST_F(Program, a_build_that_is_killed_leaves_no_store_and_the_next_one_works) {

@@ -22,7 +22,7 @@ IndexWriter::IndexWriter(const TreeShape& shape, const RecordLayout& layout, App
     : shape_(shape), layout_(layout), append_(std::move(append)), levels_(shape.levels) {
   for (std::uint32_t level = 0; level < shape.levels; ++level) {
     for (std::uint32_t height = 0; height < shape.index_height(level); ++height) {
-      levels_[level].heights.push_back({shape.index_pages(level, height), 0, {}});
+      levels_[level].heights.push_back({shape.index_pages(level, height), 0, false, {}});
     }
   }
 }
@@ -101,7 +101,8 @@ Status IndexWriter::put(std::uint32_t level, std::uint32_t height, Vec3i page, c
   GVX_TRY(write_blocks(level, height, page.z / kEdge));
   Height& h = l.heights[height];
   GVX_CHECK(page.z / kEdge == h.block);
-  if (h.refs.empty()) h.refs.assign(block_refs(h.pages), l.background);
+  if (!h.begun) h.refs.assign(block_refs(h.pages), l.background);
+  h.begun = true;
   h.refs[static_cast<std::size_t>((page.z % kEdge * h.pages.y + page.y) * h.pages.x + page.x)] = ref;
   return {};
 }
@@ -115,35 +116,41 @@ Status IndexWriter::write_blocks(std::uint32_t level, std::uint32_t height, std:
 Status IndexWriter::write_block(std::uint32_t level, std::uint32_t height) {
   Level& l = levels_[level];
   Height& h = l.heights[height];
-  if (h.refs.empty()) h.refs.assign(block_refs(h.pages), l.background);
   const Vec3i above = shape_.index_pages(level, height + 1);
-  const std::int64_t layers = std::min(h.pages.z - h.block * kEdge, kEdge);
   for (std::int64_t y = 0; y < above.y; ++y) {
     for (std::int64_t x = 0; x < above.x; ++x) {
-      std::array<PageRef, kPageNodes> page{};
-      const std::int64_t across = std::min(h.pages.x - x * kEdge, kEdge),
-                         down = std::min(h.pages.y - y * kEdge, kEdge);
-      bool same = true;
-      for (std::int64_t k = 0; k < layers; ++k) {
-        for (std::int64_t j = 0; j < down; ++j) {
-          const PageRef* from = h.refs.data() + (k * h.pages.y + y * kEdge + j) * h.pages.x + x * kEdge;
-          PageRef* to = page.data() + (k * kEdge + j) * kEdge;
-          std::copy(from, from + across, to);
-          same = same && std::all_of(to, to + across, [&](const PageRef& r) { return r == page[0]; });
-          // A page that is not there, in a level without a background.
-          GVX_CHECK(std::all_of(to, to + across, [](const PageRef& r) { return r.bytes != 0; }));
-        }
+      PageRef ref = l.background;
+      if (h.begun) {
+        GVX_ASSIGN(ref, page_above(h, x, y));
       }
-      PageRef ref = page[0];
-      if (!same || !ref.one_record()) {
-        GVX_ASSIGN(ref, write_page(sizeof(PageRef), std::as_bytes(std::span(page))));
-      }
+      // A page that nobody added, in a level without a background, has no bytes.
+      GVX_CHECK(ref.bytes != 0);
       GVX_TRY(put(level, height + 1, {x, y, h.block}, ref));
     }
   }
-  std::fill(h.refs.begin(), h.refs.end(), l.background);
+  h.begun = false;
   ++h.block;
   return {};
+}
+
+/// The page (x, y) above the block.
+Result<PageRef> IndexWriter::page_above(const Height& h, std::int64_t x, std::int64_t y) {
+  std::array<PageRef, kPageNodes> page{};
+  const std::int64_t across = std::min(h.pages.x - x * kEdge, kEdge),
+                     down = std::min(h.pages.y - y * kEdge, kEdge),
+                     layers = std::min(h.pages.z - h.block * kEdge, kEdge);
+  bool same = true;
+  for (std::int64_t k = 0; k < layers; ++k) {
+    for (std::int64_t j = 0; j < down; ++j) {
+      const PageRef* from = h.refs.data() + (k * h.pages.y + y * kEdge + j) * h.pages.x + x * kEdge;
+      PageRef* to = page.data() + (k * kEdge + j) * kEdge;
+      std::copy(from, from + across, to);
+      same = same && std::all_of(to, to + across, [&](const PageRef& r) { return r == page[0]; });
+      GVX_CHECK(std::all_of(to, to + across, [](const PageRef& r) { return r.bytes != 0; }));
+    }
+  }
+  if (same && page[0].one_record()) return page[0];
+  return write_page(sizeof(PageRef), std::as_bytes(std::span(page)));
 }
 
 Result<PageRef> IndexWriter::write_page(std::size_t element_bytes, std::span<const std::byte> raw) {

@@ -44,6 +44,7 @@ class IndexWriter {
   struct Height {
     Vec3i pages;
     std::int64_t block = 0;
+    bool begun = false;  ///< does the block hold a reference that was put there?
     std::vector<PageRef> refs;
   };
   struct Level {
@@ -58,6 +59,7 @@ class IndexWriter {
   Status put(std::uint32_t level, std::uint32_t height, Vec3i page, const PageRef& ref);
   Status write_blocks(std::uint32_t level, std::uint32_t height, std::int64_t end);
   Status write_block(std::uint32_t level, std::uint32_t height);
+  Result<PageRef> page_above(const Height& h, std::int64_t x, std::int64_t y);
   Result<PageRef> write_page(std::size_t element_bytes, std::span<const std::byte> raw);
 
   const TreeShape shape_;
