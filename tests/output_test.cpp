@@ -254,7 +254,7 @@ TEST_F(Outputs, signals_leave_nothing_behind) {
   const Outcome outcome =
       shell("cd '" + folder() +
             "' && " GVX_PROGRAM
-            " build - --dims 512,512,512 --dtype u8 -o out/a.gvx < /dev/zero & sleep 0.3; "
+            " build - --dims 512,512,100000 --dtype u8 -o out/a.gvx < /dev/zero & sleep 0.3; "
             "kill -TERM $!; wait $!");
   EXPECT_TRUE(outcome.status == 128 + 15) << outcome.status << outcome.output;
   EXPECT_EQ(names("out"), std::vector<std::string>{});
