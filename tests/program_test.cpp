@@ -486,5 +486,125 @@ TEST_F(Program, every_malformed_volume_gives_an_error_or_a_picture) {
   EXPECT_GT(rendered, 3);
 }
 
+/// A cube as text, each of whose faces is there so many times.
+std::string cube_ply(double x, double y, double z, double size, int times) {
+  std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 8\nproperty double x\nproperty double y\nproperty double "
+      "z\nelement face " +
+      std::to_string(6 * times) + "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (int i = 0; i < 8; ++i) {
+    std::array<char, 200> line;
+    std::snprintf(line.data(), line.size(), "%.17g %.17g %.17g\n", x + (i & 1) * size,
+                  y + (i >> 1 & 1) * size, z + (i >> 2) * size);
+    text += line.data();
+  }
+  for (int i = 0; i < times; ++i)
+    text += "4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n";
+  return text;
+}
+
+TEST_F(Program, a_cube_that_is_there_twice_far_from_0_is_seen) {
+  std::ofstream(path("cube.ply")) << cube_ply(500000.125, 5400000.375, 312.5, 0.1, 2);
+  const Outcome described = gvx("info cube.ply --json");
+  ASSERT_EQ(described.status, 0) << described.output;
+  const auto json = nlohmann::json::parse(described.output);
+  EXPECT_EQ(json["minimum"], (std::vector<double>{500000.125, 5400000.375, 312.5}));
+  EXPECT_EQ(json["maximum"], (std::vector<double>{500000.125 + 0.1, 5400000.375 + 0.1, 312.5 + 0.1}));
+  EXPECT_EQ(json["closed"], true);
+  EXPECT_EQ(json["triangles"], 24);
+  const Outcome built = gvx("build cube.ply -o cube.gvx --resolution 32 --fill solid");
+  if (built.output.find("Embree") != std::string::npos) GTEST_SKIP() << built.output;
+  ASSERT_EQ(built.status, 0) << built.output;
+  for (const char* scene : {"cube.gvx", "cube.ply --resolution 32", "distance:cube.ply --levels 3"}) {
+    const Outcome outcome = gvx("render " + std::string(scene) + " -o cube.png --size 32x32 --transparent");
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const io::Image image = io::read_png(path("cube.png")).value();
+    std::size_t seen = 0;
+    for (std::size_t p = 3; p < image.rgba.size(); p += 4) seen += image.rgba[p] > 127 ? 1 : 0;
+    EXPECT_GT(seen, 100u) << scene;
+    EXPECT_LT(seen, 1000u) << scene;
+  }
+}
+
+TEST_F(Program, says_in_one_line_what_of_a_mesh_it_leaves_out) {
+  std::ofstream(path("cube.obj"))
+      << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\nvt 0 0\n"
+         "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
+         "f 2 4 8\nf 1 1 2\nl 1 2\n";
+  const Outcome built = gvx("build cube.obj -o cube.gvx --resolution 20");
+  if (built.output.find("Embree") != std::string::npos) GTEST_SKIP() << built.output;
+  ASSERT_EQ(built.status, 0) << built.output;
+  EXPECT_NE(
+      built.output.find("gvx: cube.obj: 1 triangle covers nothing; left out; 1 triangle is there twice; "
+                        "counted once; not used: texture coordinates, lines\n"),
+      std::string::npos)
+      << built.output;
+  // One face is turned: still solid, and said.
+  std::ofstream(path("turned.obj"))
+      << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 4 3\n";
+  const Outcome turned = gvx("build turned.obj -o turned.gvx --resolution 20 --fill solid");
+  EXPECT_EQ(turned.status, 0) << turned.output;
+  EXPECT_NE(turned.output.find("not wound alike"), std::string::npos) << turned.output;
+}
+
+TEST_F(Program, a_mesh_of_nothing_is_an_error_that_leaves_nothing) {
+  std::ofstream(path("points.obj")) << "v 0 0 0\nv 1 0 0\np 1 2\n";
+  std::ofstream(path("flat.obj")) << "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n";
+  std::ofstream(path("nan.obj")) << "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n";
+  std::ofstream(path("empty.stl")) << "solid nothing\nendsolid\n";
+  std::ofstream(path("needs.gltf"))
+      << R"({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_draco_mesh_compression"],
+                                          "extensionsRequired": ["KHR_draco_mesh_compression"]})";
+  for (const auto& [name, part] : {std::pair{"points.obj", "no triangle in it; not used: points"},
+                                   {"flat.obj", "without an area"},
+                                   {"nan.obj", "no finite numbers"},
+                                   {"empty.stl", "no triangle"},
+                                   {"needs.gltf", "KHR_draco_mesh_compression"}}) {
+    const std::string mesh = name;
+    expect_error("build " + mesh + " -o out.gvx", part);
+    expect_error("render " + mesh + " -o out.png --size 8x8", part);
+    expect_error("info " + mesh, part);
+    expect_error("render distance:" + mesh + " -o out.png --size 8x8", mesh);
+  }
+  std::size_t files = 0;
+  for (const auto& entry : fs::directory_iterator(folder())) files += entry.is_regular_file() ? 1 : 0;
+  EXPECT_EQ(files, 5u);
+}
+
+TEST_F(Program, meshes_of_the_field_are_what_they_should_be) {
+  const char* data = std::getenv("GVX_TEST_DATA");
+  if (data == nullptr || !fs::exists(std::string(data) + "/field"))
+    GTEST_SKIP() << "GVX_TEST_DATA has no field cases";
+  struct Case {
+    const char* name;
+    int triangles;
+    bool closed;
+    std::vector<double> maximum;
+  };
+  for (const Case& c :
+       {Case{"field/mesh-pasted-twice/s05_duplicate_faces.ply", 24, true, {1, 1, 1}},
+        Case{"field/mesh-pasted-twice/t05b_pasted_twice.ply", 24, true, {1, 1, 1}},
+        Case{"field/mesh-pasted-twice/t05f_one_face_twice.ply", 12, true, {1, 1, 1}},
+        Case{"field/mesh-closed-by-slivers/s06_sliver_closed.ply", 13, true, {1, 1, 1}},
+        Case{"meshes/trimesh/wallhole.obj", 66, true, {10, 15, 0}},
+        Case{"field/mesh-overlapping-parts/s07_overlapping_spheres.ply", 4416, true, {}},
+        Case{"field/mesh-georeferenced/s02b_utm_ascii_small.ply", 12, true, {500000.225, 5400000.475, 312.6}},
+        Case{"field/mesh-georeferenced/s02_utm_double.ply", 12, true, {500002.125, 5400002.375, 314.5}},
+        Case{"field/mesh-concave-polygon/s03_concave_L.ply", 20, true, {3, 3, 1}},
+        Case{"field/mesh-concave-polygon/t03_open_U_polygon.ply", 6, false, {3, 3, 0}},
+        Case{"field/gltf-quantized/t15_quantized_no_scale.gltf", 12, true, {16000, 16000, 16000}},
+        Case{"field/gltf-vertex-colours/s15e_colors_half_linear.gltf", 12, true, {1, 1, 1}},
+        Case{"field/ply-line-ends/s08c_cr_only.ply", 12, true, {1, 1, 1}}}) {
+    const Outcome described = gvx("info '" + std::string(data) + "/" + c.name + "' --json");
+    ASSERT_EQ(described.status, 0) << described.output;
+    const auto json = nlohmann::json::parse(described.output);
+    EXPECT_EQ(json["triangles"], c.triangles) << c.name;
+    EXPECT_EQ(json["closed"], c.closed) << c.name;
+    if (!c.maximum.empty()) {
+      EXPECT_EQ(json["maximum"], c.maximum) << c.name;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gvx

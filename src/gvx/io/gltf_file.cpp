@@ -62,25 +62,6 @@ std::optional<std::string> from_base64(std::string_view text) {
   return bytes;
 }
 
-/// With %20 and the like resolved.
-std::string from_percent(std::string_view uri) {
-  std::string text;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    const auto digit = [&](std::size_t at) {
-      const char c = at < uri.size() ? uri[at] : ' ';
-      return c >= '0' && c <= '9'   ? c - '0'
-             : c >= 'a' && c <= 'f' ? c - 'a' + 10
-             : c >= 'A' && c <= 'F' ? c - 'A' + 10
-                                    : -1;
-    };
-    const int high = digit(i + 1), low = digit(i + 2);
-    const bool coded = uri[i] == '%' && high >= 0 && low >= 0;
-    text.push_back(coded ? static_cast<char>(16 * high + low) : uri[i]);
-    if (coded) i += 2;
-  }
-  return text;
-}
-
 /// Of a component type; 0 for what is none.
 std::uint64_t component_bytes(std::uint64_t type) {
   switch (type) {
@@ -157,6 +138,24 @@ Result<Chunks> split(const std::string& path, std::string file) {
 }
 
 }  // namespace
+
+std::string uri_path(std::string_view uri) {
+  std::string text;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    const auto digit = [&](std::size_t at) {
+      const char c = at < uri.size() ? uri[at] : ' ';
+      return c >= '0' && c <= '9'   ? c - '0'
+             : c >= 'a' && c <= 'f' ? c - 'a' + 10
+             : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                    : -1;
+    };
+    const int high = digit(i + 1), low = digit(i + 2);
+    const bool coded = uri[i] == '%' && high >= 0 && low >= 0;
+    text.push_back(coded ? static_cast<char>(16 * high + low) : uri[i]);
+    if (coded) i += 2;
+  }
+  return text;
+}
 
 Result<GltfFile> GltfFile::open(const std::string& path) {
   GVX_ASSIGN(std::string file, read_whole(path));
@@ -258,7 +257,7 @@ Result<std::string> GltfFile::load_uri(const std::string& uri) const {
     if (!bytes) return error("a buffer's data URI is not base64");
     return std::move(*bytes);
   }
-  const std::filesystem::path name = from_percent(uri);
+  const std::filesystem::path name = uri_path(uri);
   const bool elsewhere = uri.find("://") != std::string::npos || name.is_absolute() ||
                          std::any_of(name.begin(), name.end(), [](const auto& part) { return part == ".."; });
   if (elsewhere) return error("a buffer's URI " + io::quoted(uri) + " leaves the folder of the file");

@@ -20,6 +20,9 @@
 
 namespace gvx::io {
 
+/// A URI's path: "%20" is a space.
+std::string uri_path(std::string_view uri);
+
 class GltfFile {
  public:
   /// Reads it with all buffers. An error where it is no glTF 2.0 file.

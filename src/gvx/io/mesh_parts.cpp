@@ -4,8 +4,12 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <utility>
 
+#include "gvx/io/byte_stream.h"
+#include "gvx/io/gltf_file.h"
 #include "gvx/io/header_text.h"
+#include "gvx/io/text_scanner.h"
 
 namespace gvx::io {
 namespace {
@@ -15,8 +19,14 @@ using nlohmann::json;
 /// Names may hold spaces, and one line several names: all that it may mean.
 void add_obj_parts(const std::string& path, std::vector<std::string>& files) {
   constexpr std::string_view kKeyword = "mtllib";
-  std::ifstream file(path, std::ios::binary);
-  for (std::string line; std::getline(file, line);) {
+  constexpr std::size_t kLongestLine = 1 << 26;
+  auto stream = open_byte_stream(path, Encoding::raw, {}, SampleType::u8);
+  if (!stream.ok()) return;
+  TextScanner in(std::move(stream).value());
+  std::string line;
+  while (true) {
+    const Result<bool> more = in.line(line, kLongestLine);
+    if (!more.ok() || !more.value()) return;
     const std::string_view text = trimmed(line);
     if (!text.starts_with(kKeyword) || text.size() == kKeyword.size()) continue;
     const std::string_view names = trimmed(text.substr(kKeyword.size()));
@@ -42,26 +52,6 @@ json read_gltf(const std::string& path) {
   return json::parse(file, nullptr, false);
 }
 
-/// A URI's path: "%20" is a space.
-std::string decoded(const std::string& uri) {
-  std::string path;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    const auto digit = [&](std::size_t at) {
-      const std::string_view digits = "0123456789abcdef";
-      const std::string small = lower_case(uri.substr(at, 1));
-      return small.empty() ? std::string_view::npos : digits.find(small);
-    };
-    const std::size_t high = digit(i + 1), low = i + 2 < uri.size() ? digit(i + 2) : std::string_view::npos;
-    if (uri[i] == '%' && high != std::string_view::npos && low != std::string_view::npos) {
-      path.push_back(static_cast<char>(16 * high + low));
-      i += 2;
-    } else {
-      path.push_back(uri[i]);
-    }
-  }
-  return path;
-}
-
 void add_gltf_parts(const std::string& path, std::vector<std::string>& files) {
   const json document = read_gltf(path);
   if (!document.is_object()) return;
@@ -70,7 +60,7 @@ void add_gltf_parts(const std::string& path, std::vector<std::string>& files) {
     for (const json& part : document[list]) {
       if (!part.is_object() || !part.contains("uri") || !part["uri"].is_string()) continue;
       const std::string uri = part["uri"];
-      if (!uri.starts_with("data:")) files.push_back(beside(path, decoded(uri)));
+      if (!uri.starts_with("data:")) files.push_back(beside(path, uri_path(uri)));
     }
   }
 }

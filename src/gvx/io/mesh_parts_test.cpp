@@ -33,6 +33,7 @@ TEST_F(MeshParts, an_obj_names_its_materials) {
   EXPECT_TRUE(has(files, "two.mtl"));
   EXPECT_TRUE(has(files, "last.mtl"));
   EXPECT_FALSE(has(files, "none.mtl"));
+  EXPECT_TRUE(has(mesh_files(put("cr.obj", "v 0 0 0\rmtllib last.mtl\r")), "last.mtl"));
 }
 
 TEST_F(MeshParts, a_gltf_names_its_buffers_and_pictures) {

@@ -151,7 +151,7 @@ std::string cube_as_ply(const Vec3d& origin, double size) {
 
 std::string cube_as_obj(const Vec3d& origin, double size) {
   std::string text = "# a cube\no cube\n";
-  for (int i = 0; i < 8; ++i) text += "v " + cube_place(i, origin, size) + "\n";
+  for (int i = 0; i < 8; ++i) text.append("v ").append(cube_place(i, origin, size)).append("\n");
   for (const auto& f : kCubeFaces) {
     text += "f";
     for (const int v : f) text += " " + std::to_string(v + 1);
