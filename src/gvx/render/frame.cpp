@@ -68,6 +68,24 @@ Status check(const View& view, const TreePlacement& placement) {
   return {};
 }
 
+/// Of stored values: where physical ones fall as those rise, the greatest is the least.
+scene::Mode mode_of_stored(scene::Mode mode, double scale) {
+  if (scale >= 0) return mode;
+  return mode == scene::Mode::maximum   ? scene::Mode::minimum
+         : mode == scene::Mode::minimum ? scene::Mode::maximum
+                                        : mode;
+}
+
+/// The physical values that rays may find in a channel.
+scene::ValueSpan values_of(const TreePlacement& placement, const scene::Visibility& visibility,
+                           std::uint32_t channel) {
+  const ValueRange stored = visibility.widened(placement.ranges.channel[channel]);
+  const double a = placement.scale * double(stored.minimum) + placement.offset;
+  const double b = placement.scale * double(stored.maximum) + placement.offset;
+  if (!std::isfinite(a) || !std::isfinite(b)) return {};
+  return {std::min(a, b), std::max(a, b)};
+}
+
 void set_gradient_lengths(FrameView& v) {
   const Affine3& m = v.world_to_tree;
   const auto product = [&](int a, int b) {
@@ -149,23 +167,26 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   v.units_per_tick = static_cast<float>(v.tick_world / unit);
   // A step of the finest level through the most opaque matter leaves less than RayMarcher looks at.
   const double most_extinction = std::clamp(8 * unit / v.tick_world, 16.0, 1e6);
-  v.visibility.mode = view.mode;
+  v.visibility.mode = mode_of_stored(view.mode, placement.scale);
   v.visibility.channels = placement.format.channels();
   for (std::uint32_t c = 0; c < v.visibility.channels; ++c) {
     const scene::TransferFunction& function =
         view.functions.empty() ? none : view.functions[std::min<std::size_t>(c, view.functions.size() - 1)];
+    const scene::ValueSpan values = values_of(placement, v.visibility, c);
     std::shared_ptr<const Tables> tables;
     if (previous != nullptr && c < previous->tables_.size()) {
       const Tables& before = *previous->tables_[c];
-      if (before.function == function && before.most_extinction == most_extinction) {
+      if (before.function == function && before.values == values &&
+          before.most_extinction == most_extinction) {
         tables = previous->tables_[c];
       }
     }
-    if (tables == nullptr) tables = make_tables(device, function, placement, most_extinction);
+    if (tables == nullptr) tables = make_tables(device, function, placement, values, most_extinction);
     v.visibility.functions[c] = tables->view;
+    // Its inverse is a number, too.
+    constexpr float kLeastGradient = 1e-36f;
+    v.soft_gradient[c] = std::max(static_cast<float>(scene::kSoftGradient * tables->span), kLeastGradient);
     frame.tables_.push_back(std::move(tables));
-    v.soft_gradient[c] = static_cast<float>(scene::kSoftGradient * scene::TransferView::kEntries /
-                                            std::abs(v.visibility.functions[c].to_entry_scale));
   }
   v.classification = view.classification;
   // No step is longer than a voxel of the brick that it is in.
@@ -191,11 +212,11 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
 std::shared_ptr<const Frame::Tables> Frame::make_tables(const exec::Device& device,
                                                         const scene::TransferFunction& function,
                                                         const TreePlacement& placement,
-                                                        double most_extinction) {
+                                                        scene::ValueSpan values, double most_extinction) {
   scene::TransferTable table;
   switch (placement.format.content) {
     case VoxelContent::scalar:
-      table = scene::bake(function, placement.scale, placement.offset, most_extinction);
+      table = scene::bake(function, placement.scale, placement.offset, most_extinction, values);
       break;
     case VoxelContent::labels:
       table = scene::bake_labels(function, placement.scale, placement.offset,
@@ -206,6 +227,8 @@ std::shared_ptr<const Frame::Tables> Frame::make_tables(const exec::Device& devi
   }
   auto tables = std::make_shared<Tables>();
   tables->function = function;
+  tables->values = values;
+  tables->span = table.span;
   tables->most_extinction = most_extinction;
   tables->matter = upload(device, table.matter);
   tables->integral = upload(device, table.integral);
@@ -223,19 +246,19 @@ std::shared_ptr<const Frame::Tables> Frame::make_tables(const exec::Device& devi
 
 std::shared_ptr<const Frame::StepTable> Frame::make_steps(const FrameView& view,
                                                           std::shared_ptr<const Tables> tables) {
-  constexpr std::size_t kEntries = scene::TransferView::kEntries;
   auto steps = std::make_shared<StepTable>();
   steps->tables = std::move(tables);
   steps->units_per_tick = view.units_per_tick;
   steps->strides.assign(view.stride, view.stride + view.max_level + 1);
-  steps->colors.resize(steps->strides.size() * kEntries);
   const scene::TransferView& function = steps->tables->view;
+  const auto entries = static_cast<std::size_t>(function.entries);
+  steps->colors.resize(steps->strides.size() * entries);
   for (std::size_t level = 0; level < steps->strides.size(); ++level) {
     const float units = view.units_per_tick * static_cast<float>(steps->strides[level]);
-    for (std::size_t entry = 0; entry < kEntries; ++entry) {
+    for (std::size_t entry = 0; entry < entries; ++entry) {
       const scene::Matter& m = function.matter[entry];
       if (!(m.extinction > 0.0f)) continue;
-      steps->colors[level * kEntries + entry] = {m.color / m.extinction, 1 - std::exp(-m.extinction * units)};
+      steps->colors[level * entries + entry] = {m.color / m.extinction, 1 - std::exp(-m.extinction * units)};
     }
   }
   return steps;

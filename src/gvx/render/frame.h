@@ -64,7 +64,7 @@ struct FrameView {
   scene::LightingView lighting;
   scene::Classification classification = scene::Classification::preintegrated;
   /// On a CPU, post-classified, one channel: what a step of level l adds for each entry of the function is
-  /// step_colors[l * TransferView::kEntries + entry].
+  /// step_colors[l * its number of entries + entry].
   const StepColor* step_colors = nullptr;
   float units_per_tick = 1;   ///< unit distances of the extinctions
   float voxels_per_step = 1;  ///< of the level that is sampled
@@ -195,7 +195,9 @@ class Frame {
   /// A transfer function's tables on the device.
   struct Tables {
     scene::TransferFunction function;
+    scene::ValueSpan values;
     double most_extinction = 0;
+    double span = 0;
     exec::Buffer<scene::Matter> matter;
     exec::Buffer<scene::TransferView::Integral> integral;
     exec::Buffer<std::uint32_t> visible_before;
@@ -213,7 +215,8 @@ class Frame {
                                                      std::shared_ptr<const Tables> tables);
   static std::shared_ptr<const Tables> make_tables(const exec::Device& device,
                                                    const scene::TransferFunction& function,
-                                                   const TreePlacement& placement, double most_extinction);
+                                                   const TreePlacement& placement, scene::ValueSpan values,
+                                                   double most_extinction);
 
   FrameView view_;
   exec::Buffer<LevelView> levels_;

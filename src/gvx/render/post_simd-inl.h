@@ -52,11 +52,11 @@ class StepRows {
   }
 
  private:
-  static constexpr int kMostEntries = 8192, kRowBits = 4;
+  static constexpr int kMostEntries = scene::TransferView::kMostEntries, kRowBits = 4;
   /// From here on a float's last bits are the fraction of an entry; those before them are a whole number.
   static constexpr float kFirst = kMostEntries;
-  static constexpr int kPlaceBits = 10;
-  static_assert(kMostEntries << kPlaceBits == 1 << 23 && scene::TransferView::kEntries <= kMostEntries);
+  static constexpr int kPlaceBits = 7;
+  static_assert(kMostEntries << kPlaceBits == 1 << 23);
   static_assert(sizeof(StepColor) == 1 << kRowBits);
 
   const Float scale_, offset_, first_visible_, last_visible_;
@@ -87,7 +87,7 @@ class Post {
     const Samples fine(fine_, edge_), coarse(coarse_, edge_);
     const StepRows rows(function_, Samples::kUnit);
     const std::byte* table = reinterpret_cast<const std::byte*>(
-        frame_.step_colors + std::size_t(batch_.level) * scene::TransferView::kEntries);
+        frame_.step_colors + static_cast<std::size_t>(batch_.level * function_.entries));
     PathRows path[kVectors];
     Float first[kVectors], end[kVectors], last_step[kVectors], opacity[kVectors], most = hn::Zero(kFloats);
     Int samples[kVectors];
