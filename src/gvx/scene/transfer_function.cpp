@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gvx/scene/even_means.h"
+#include "gvx/scene/transfer_limits.h"
 
 namespace gvx::scene {
 namespace {
@@ -208,6 +209,13 @@ TableSpan table_span(const TransferFunction& function, TableSpan outer, ValueSpa
   return span;
 }
 
+/// From its first point to its last, as far as there are such values.
+TableSpan outer_span(const TransferFunction& function, ValueSpan values) {
+  return held_to({std::min(function.colors.front().value, function.opacities.front().value),
+                  std::max(function.colors.back().value, function.opacities.back().value)},
+                 values);
+}
+
 /// Where a function's slopes may change, in entries of a table.
 std::vector<double> stops_of(const TransferFunction& function, const TableSpan& span) {
   std::vector<double> stops;
@@ -246,9 +254,7 @@ TransferTable bake(const TransferFunction& function, double scale, double offset
                    ValueSpan values) {
   constexpr int kParts =
       4;  // of the way between two entries, so that a step between them is integrated right
-  const TableSpan outer = held_to({std::min(function.colors.front().value, function.opacities.front().value),
-                                   std::max(function.colors.back().value, function.opacities.back().value)},
-                                  values);
+  const TableSpan outer = outer_span(function, values);
   // Floats hold no more than 10^34 entries a value.
   const TableSpan span = table_span(function, outer, values, 1e-34 * std::abs(scale));
   const int entries = span.entries;
@@ -297,6 +303,24 @@ TransferTable bake(const TransferFunction& function, double scale, double offset
         static_cast<float>(std::abs(scale) * (TransferView::kGradientEntries - 1) / steepest);
   }
   return table;
+}
+
+std::optional<std::pair<double, double>> points_too_close(const TransferFunction& function,
+                                                          ValueSpan values) {
+  const TableSpan span = table_span(function, outer_span(function, values), values, 0);
+  double closest = 2 * span.width();
+  std::optional<std::pair<double, double>> found;
+  const auto look_at = [&](const auto& points) {
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      const double first = points[i].value, last = points[i + 1].value;
+      if (!(last > first) || !(last - first < closest) || last <= span.first || first >= span.last) continue;
+      closest = last - first;
+      found = {first, last};
+    }
+  };
+  look_at(function.opacities);
+  look_at(function.colors);
+  return found;
 }
 
 TransferTable bake_labels(const TransferFunction& function, double scale, double offset,

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "gvx/scene/transfer_limits.h"
+
 namespace gvx::scene {
 namespace {
 
@@ -228,6 +230,18 @@ TEST(TransferTable, a_narrow_window_in_a_wide_range_has_entries) {
     EXPECT_NEAR(view.mean(view.entry_of(v - 0.2f), view.entry_of(v + 0.2f)).extinction, exact, 0.1) << v;
   }
   EXPECT_EQ(bake(tent(), 1, 0, 16).matter.size(), std::size_t(TransferView::kEntries));
+}
+
+TEST(TransferTable, points_that_it_cannot_tell_apart_are_named) {
+  const std::vector<ColorPoint> colors = {{0, {1, 1, 1}}};
+  const TransferFunction both = {colors, {{0, 0}, {1, 0.5}, {1 + 1e-3, 0}, {5e8, 0.1}, {1e9, 0}}, 0};
+  const auto close = points_too_close(both, {0, 1e9});
+  ASSERT_TRUE(close);
+  EXPECT_EQ(*close, std::pair(1.0, 1 + 1e-3));
+  EXPECT_FALSE(points_too_close(both, {0, 2}));
+  EXPECT_FALSE(points_too_close(tent(), {}));
+  // Of what is the same beyond some value only that value counts.
+  EXPECT_FALSE(points_too_close({colors, {{0, 0}, {1, 0.5}, {1 + 1e-3, 0}, {1e9, 0}}, 0}, {0, 1e9}));
 }
 
 TEST(TransferTable, below_a_step_at_the_first_point_is_what_the_first_point_says) {
