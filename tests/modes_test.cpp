@@ -1,7 +1,9 @@
 // Every way to look: modes, channels, labels, colours, lights and gradients, compared with the brute-force
 // reference; and each bit for bit the same whatever the cache.
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -107,6 +109,161 @@ TEST(Modes, an_isosurface_is_where_the_value_is) {
   for (std::size_t i = 0; i < picture.rgba.size(); i += 4) covered += double(picture.rgba[i]);
   const double pixel = 48.0 / scene.view.height, radius = 0.3 * 64;
   EXPECT_NEAR(covered * pixel * pixel, M_PI * radius * radius, 0.005 * M_PI * radius * radius);
+}
+
+TEST(Modes, a_negative_slope_is_the_same_picture) {
+  for (const VoxelType type : {VoxelType::u8, VoxelType::u16, VoxelType::f32}) {
+    const double most = type == VoxelType::u8 ? 200 : 40000;
+    const Field up = [=](Vec3d p) { return std::round(most * waves(p)); };
+    const Field down = [=](Vec3d p) { return most - up(p); };
+    const VoxelFormat format{type, VoxelContent::scalar, 1};
+    TestScene rising = planar_scene("rising", format, {up}, {44, 40, 36}, 2, 8);
+    TestScene falling = planar_scene("falling", format, {down}, {44, 40, 36}, 2, 8, -1, most);
+    for (const scene::Mode mode : {scene::Mode::composite, scene::Mode::maximum, scene::Mode::minimum,
+                                   scene::Mode::mean, scene::Mode::isosurface}) {
+      for (const double away : {1.0, 6.0}) {
+        render::View view = rising.view;
+        view.mode = mode;
+        view.isovalue = 0.62 * most;
+        view.functions = {
+            {{{0, {0, 0.2, 0.8}}, {most, {1, 0.7, 0.1}}}, {{0, 0.1}, {0.4 * most, 0.1}, {most, 0.9}}, 0}};
+        view.camera.eye = view.camera.target + away * (view.camera.eye - view.camera.target);
+        TestScene seen[2] = {rising, falling};
+        for (TestScene& scene : seen) scene.view = view;
+        // Of floats coarse voxels are rounded otherwise.
+        EXPECT_GE(psnr(render_exact(seen[0]), render_exact(seen[1])), away > 1 ? 50 : 70)
+            << voxel_name(type) << " mode " << int(mode) << " from " << away;
+      }
+    }
+  }
+}
+
+TEST(Modes, points_far_beyond_the_values_are_the_same_picture) {
+  for (const VoxelType type : {VoxelType::u8, VoxelType::u16, VoxelType::f32}) {
+    const double most = type == VoxelType::u8 ? 200 : type == VoxelType::u16 ? 40000 : 1;
+    const Field field = [=](Vec3d p) {
+      return type == VoxelType::f32 ? waves(p) : std::round(most * waves(p));
+    };
+    TestScene scene =
+        planar_scene("far_points", {type, VoxelContent::scalar, 1}, {field}, {44, 40, 36}, 2, 8);
+    const scene::TransferFunction near = {
+        {{0, {0, 0, 1}}, {most, {1, 0, 0}}}, {{0, 0}, {0.5 * most, 0}, {0.55 * most, 0.6}, {most, 0.6}}, 0};
+    scene::TransferFunction last = near, first = near, colors = near;
+    last.opacities.back().value = 1e9 * most;
+    first.opacities.front().value = -1e9 * most;
+    colors.colors.insert(colors.colors.begin(), {-1e9 * most, {0, 0, 1}});
+    colors.colors.push_back({1e9 * most, {1, 0, 0}});
+    const auto variant = [&](const char* what, auto change) {
+      TestScene changed = scene;
+      change(changed.view);
+      changed.view.functions = {near};
+      const render::Picture right = render_exact(changed);
+      for (const scene::TransferFunction& far : {last, first, colors}) {
+        changed.view.functions = {far};
+        EXPECT_GE(psnr(render_exact(changed), right), 60) << voxel_name(type) << ' ' << what;
+      }
+    };
+    variant("lit", [](auto&) {});
+    variant("unlit", [](auto& v) { v.lighting.enabled = false; });
+    variant("post", [](auto& v) { v.classification = scene::Classification::post; });
+    variant("mean", [](auto& v) { v.mode = scene::Mode::mean; });
+    variant("maximum", [](auto& v) { v.mode = scene::Mode::maximum; });
+    variant("far", [](auto& v) { v.camera.eye = v.camera.target + 4.0 * (v.camera.eye - v.camera.target); });
+  }
+}
+
+TEST(Modes, a_narrow_window_is_as_smooth_as_a_wide_one) {
+  // The same matter in values of a thousandth of the range, and in those of all of it.
+  const Field wide = [](Vec3d p) { return ball(p); };
+  const Field narrow = [](Vec3d p) { return p.x < 0.02 && p.y < 0.02 ? 1000.0 : ball(p); };
+  TestScene scenes[2] = {
+      planar_scene("window_wide", {VoxelType::f32, VoxelContent::scalar, 1}, {wide}, {48, 48, 48}, 2, 16),
+      planar_scene("window_narrow", {VoxelType::f32, VoxelContent::scalar, 1}, {narrow}, {48, 48, 48}, 2,
+                   16)};
+  const std::vector<scene::ColorPoint> colors = {{0, {0, 0, 1}}, {1, {1, 0.5, 0}}};
+  scenes[0].view.functions = {{colors, {{0.2, 0}, {1, 0.3}}, 0}};
+  scenes[1].view.functions = {{colors, {{0.2, 0}, {1, 0.3}, {1.1, 0}, {1000, 0}}, 0}};
+  for (const scene::Classification how :
+       {scene::Classification::preintegrated, scene::Classification::post}) {
+    render::Picture picture[2];
+    for (int i = 0; i < 2; ++i) {
+      scenes[i].view.lighting.enabled = false;
+      scenes[i].view.classification = how;
+      // Beside the column of the outlier.
+      scenes[i].view.clip = {{0.1, 0.1, 0}, {1, 1, 1}};
+      picture[i] = render_exact(scenes[i]);
+    }
+    EXPECT_GE(psnr(picture[0], picture[1]), 50);
+  }
+}
+
+/// Tubes of this radius in voxels, 1 within them and 0 around.
+Field tubes(double radius, double edge) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> place(0.1, 0.9);
+  const auto somewhere = [&] { return Vec3d(place(random), place(random), place(random)); };
+  std::vector<std::pair<Vec3d, Vec3d>> axes;
+  for (int i = 0; i < 14; ++i) {
+    const Vec3d from = somewhere();
+    axes.emplace_back(from, somewhere() - from);
+  }
+  return [=](Vec3d p) {
+    const bool inside = std::any_of(axes.begin(), axes.end(), [&](const auto& axis) {
+      const auto& [from, way] = axis;
+      const double share = std::clamp(dot(p - from, way) / dot(way, way), 0.0, 1.0);
+      return length(p - (from + share * way)) * edge < radius;
+    });
+    return inside ? 1.0 : 0.0;
+  };
+}
+
+double mean_of(const render::Picture& picture) {
+  double sum = 0;
+  for (std::size_t i = 0; i < picture.rgba.size(); i += 4) sum += double(picture.rgba[i]);
+  return sum / double(picture.rgba.size() / 4);
+}
+
+TEST(Modes, thin_bright_things_are_as_bright_from_afar) {
+  constexpr int kEdge = 160;
+  for (const VoxelType type : {VoxelType::u8, VoxelType::u16, VoxelType::f32}) {
+    const double most = type == VoxelType::u8 ? 255 : type == VoxelType::u16 ? 50000 : 1e-12;
+    for (const bool dark : {false, true}) {
+      if (dark && type != VoxelType::u8) continue;
+      const Field field = [=, tube = tubes(1.1, kEdge)](Vec3d p) {
+        return dark ? most - most * tube(p) : most * tube(p);
+      };
+      TestScene scene =
+          planar_scene("tubes", {type, VoxelContent::scalar, 1}, {field}, {kEdge, kEdge, kEdge}, 2, 16);
+      scene.view.mode = dark ? scene::Mode::minimum : scene::Mode::maximum;
+      scene.view.background = {};
+      scene.view.functions = {{{{0, Vec3d(dark ? 1 : 0)}, {most, Vec3d(dark ? 0 : 1)}}, {{0, 1}}, 0}};
+      scene.view.camera = {{-250, -560, 190}, Vec3d(kEdge / 2), {0, 0, 1}, 30, 190};
+      for (const std::uint32_t pixels : {160u, 80u, 40u, 20u}) {
+        scene.view.width = scene.view.height = pixels;
+        scene.view.antialias = 1;
+        scene.view.level_of_detail = true;
+        const render::Picture seen = render_exact(scene);
+        EXPECT_EQ(seen.rgba, render_exact(scene, exec::Device::cpu(1), {0, engine::PoolSizes{600, 40}}).rgba);
+        scene.view.antialias = 8;
+        const render::Picture fine = render_exact(scene);
+        scene.view.level_of_detail = false;
+        const render::Picture right = render_exact(scene);
+        const std::string what =
+            std::string(voxel_name(type)) + (dark ? " dark " : " ") + std::to_string(pixels);
+        EXPECT_NEAR(mean_of(seen) / mean_of(right), 1, 0.05) << what;
+        EXPECT_GE(psnr(fine, right), 40) << what;
+        double lit = 0, lit_right = 0;
+        for (std::size_t i = 0; i < right.rgba.size(); i += 4) {
+          if (right.rgba[i] < 20.0f / 255) continue;
+          lit += double(seen.rgba[i]);
+          lit_right += double(right.rgba[i]);
+        }
+        EXPECT_GE(lit, 0.93 * lit_right) << what;
+        std::printf("%-12s mean %.4f of %.4f, lit %.3f, %.1f dB, of many rays %.1f dB\n", what.c_str(),
+                    mean_of(seen), mean_of(right), lit / lit_right, psnr(seen, right), psnr(fine, right));
+      }
+    }
+  }
 }
 
 TEST(Modes, channels_each_have_their_function) {

@@ -48,18 +48,33 @@ Vec3d central_differences(Vec3d p, Function value) {
   return g;
 }
 
-/// As the engine derives it from the span of a function's values, in physical units a voxel.
-double soft_gradient_of(const scene::TransferFunction& f) {
+/// The values of a plane.
+scene::ValueSpan values_of(const ReferenceVolume& volume, std::size_t plane) {
+  scene::ValueSpan span{volume.voxel_of(plane, 0, 0, 0), volume.voxel_of(plane, 0, 0, 0)};
+  for (std::int64_t z = 0; z < volume.dimensions.z; ++z) {
+    for (std::int64_t y = 0; y < volume.dimensions.y; ++y) {
+      for (std::int64_t x = 0; x < volume.dimensions.x; ++x) {
+        const double value = volume.voxel_of(plane, x, y, z);
+        span = {std::min(span.minimum, value), std::max(span.maximum, value)};
+      }
+    }
+  }
+  return span;
+}
+
+/// As the engine derives it from the span of a function's values, of those that there are, in physical units
+/// a voxel.
+double soft_gradient_of(const scene::TransferFunction& f, scene::ValueSpan values) {
   const double first = std::min(f.colors.front().value, f.opacities.front().value);
   const double last = std::max(f.colors.back().value, f.opacities.back().value);
-  return (last - first) * scene::TransferView::kEntries / (scene::TransferView::kEntries - 1) *
-         scene::kSoftGradient;
+  return (std::min(last, values.maximum) - std::max(first, values.minimum)) * scene::kSoftGradient;
 }
 
 /// What one ray needs.
 struct Tracer {
   const ReferenceVolume& volume;
   const render::View& view;
+  const std::vector<double>& soft_gradient;  // of each plane
   double step, spacing;
   Affine3 world_to_voxel;
   scene::LightingView lighting;
@@ -95,8 +110,7 @@ struct Tracer {
       const Vec3d g = volume.gradient(c, p);
       e *= function(c).gradient_factor(length(world_to_voxel.transposed_vector(g)));
       const double steep = length(g);
-      const scene::Shade<double> s =
-          shade(g, scene::surface_certainty(steep, soft_gradient_of(function(c))), t);
+      const scene::Shade<double> s = shade(g, scene::surface_certainty(steep, soft_gradient[c]), t);
       sum = sum + e * (function(c).color(value) * s.body + s.glint);
       extinction += e;
     }
@@ -204,6 +218,11 @@ ReferencePicture render_reference(const ReferenceVolume& volume, const render::V
   const Vec3d size(volume.dimensions);
   const Box3d box = intersect({view.clip.minimum * size, view.clip.maximum * size}, {{0, 0, 0}, size});
 
+  std::vector<double> soft_gradient;
+  for (std::size_t c = 0; c < volume.planes() && volume.content == VoxelContent::scalar; ++c) {
+    const scene::TransferFunction& function = view.functions[std::min(c, view.functions.size() - 1)];
+    soft_gradient.push_back(soft_gradient_of(function, values_of(volume, c)));
+  }
   ReferencePicture result;
   result.picture = {view.width, view.height, std::vector<float>(std::size_t(view.width) * view.height * 4)};
   std::mutex mutex;
@@ -213,6 +232,7 @@ ReferencePicture render_reference(const ReferenceVolume& volume, const render::V
     for (std::uint32_t x = 0; x < view.width; ++x) {
       Tracer tracer{volume,
                     view,
+                    soft_gradient,
                     spacing / samples_per_voxel,
                     spacing,
                     inverse(volume.voxel_to_world),

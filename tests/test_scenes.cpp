@@ -70,7 +70,7 @@ TestScene analytic_scene(const std::string& name, const std::function<double(Vec
 }
 
 TestScene planar_scene(const std::string& name, VoxelFormat format, const std::vector<Field>& planes,
-                       Vec3i dimensions, std::uint32_t n, std::uint32_t m) {
+                       Vec3i dimensions, std::uint32_t n, std::uint32_t m, double scale, double offset) {
   GVX_CHECK(planes.size() == format.planes && format.valid());
   auto numbers = std::make_shared<std::vector<double>>();
   std::vector<std::byte> bytes;
@@ -81,7 +81,7 @@ TestScene planar_scene(const std::string& name, VoxelFormat format, const std::v
           const Vec3d p = (Vec3d(Vec3i(x, y, z)) + Vec3d(0.5)) / Vec3d(dimensions);
           for (const Field& plane : planes) {
             number = static_cast<decltype(number)>(plane(p));
-            numbers->push_back(static_cast<double>(number));
+            numbers->push_back(scale * static_cast<double>(number) + offset);
             bytes.resize(bytes.size() + sizeof(number));
             std::memcpy(&bytes[bytes.size() - sizeof(number)], &number, sizeof(number));
           }
@@ -108,6 +108,8 @@ TestScene planar_scene(const std::string& name, VoxelFormat format, const std::v
   store::VolumeInfo info;
   info.shape = store::TreeShape::covering(dimensions, n, m);
   info.format = format;
+  info.scale = scale;
+  info.offset = offset;
   const auto writer = store::StoreWriter::create(scene.store_path, info.shape, info.format).value();
   store::PyramidBuilder pyramid(exec::Device::cpu(), *writer, info);
   GVX_CHECK(pyramid.push_slices(dimensions.z, bytes).ok());

@@ -30,9 +30,11 @@ TestScene analytic_scene(const std::string& name, const std::function<double(Vec
 /// A number for each place in [0, 1]^3.
 using Field = std::function<double(Vec3d)>;
 
-/// A volume of any format, one field a plane, at the centres of its voxels, which are of unit size.
+/// A volume of any format, one field a plane, at the centres of its voxels, which are of unit size. Fields
+/// are of stored numbers; values are these times `scale`, plus `offset`.
 TestScene planar_scene(const std::string& name, VoxelFormat format, const std::vector<Field>& planes,
-                       Vec3i dimensions, std::uint32_t n, std::uint32_t m);
+                       Vec3i dimensions, std::uint32_t n, std::uint32_t m, double scale = 1,
+                       double offset = 0);
 
 /// A soft ball with a dent: smooth everywhere, values 0 to 1.
 double ball(Vec3d p);

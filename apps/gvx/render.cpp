@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <vector>
 
 #include "built_in_scenes.h"
@@ -16,6 +17,7 @@
 #include "gvx/io/mesh.h"
 #include "gvx/scene/camera_path.h"
 #include "gvx/scene/scene_file.h"
+#include "gvx/scene/transfer_limits.h"
 #include "messages.h"
 #include "nothing_seen.h"
 #include "open_scene.h"
@@ -39,6 +41,21 @@ struct Options {
 Result<exec::Device> open_device(const Options& o) {
   if (o.device == "cuda") return exec::Device::cuda();
   return exec::Device::cpu(o.threads);
+}
+
+/// Where a function's points are so close, and the values so far apart, that what is between is blurred.
+void warn_of_close_points(const produce::TreeDescription& tree, const render::View& view) {
+  if (tree.format.content != VoxelContent::scalar) return;
+  for (std::size_t channel = 0; channel < view.functions.size(); ++channel) {
+    const scene::ValueStatistics values = value_statistics(tree, channel);
+    const auto close = scene::points_too_close(view.functions[channel], {values.minimum, values.maximum});
+    if (!close) continue;
+    std::ostringstream message;
+    message.precision(9);
+    message << "transfer function: what is between the points at " << close->first << " and " << close->second
+            << " is blurred: the volume's values are from " << values.minimum << " to " << values.maximum;
+    warn(message.str());
+  }
 }
 
 /// The mesh of --proxy; none where it names none.
@@ -294,6 +311,7 @@ Status render(const Options& o) {
   GVX_ASSIGN(const auto path, camera_path(scene));
   GVX_ASSIGN(render::View view, make_view(scene, o.flags, opened));
   if (path) view.camera = path->key_frames().front().camera;
+  warn_of_close_points(opened.producer->description(), view);
   if (!o.save_scene.empty()) {
     relate_names(scene, o.save_scene);
     GVX_TRY(write_text("--save-scene", o.save_scene, scene::to_json(scene)));

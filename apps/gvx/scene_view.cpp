@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <sstream>
 
 #include "built_in_scenes.h"
 #include "gvx/io/transfer_function_file.h"
@@ -218,8 +219,9 @@ Result<scene::SceneFile> complete(scene::SceneFile scene, const SceneFlags& flag
   GVX_TRY(check_mode(scene, flags));
   if (lacks_isovalue(scene)) {
     const scene::ValueStatistics values = value_statistics(tree, 0);
-    return no_isovalue("; the volume's values are from " + std::to_string(values.minimum) + " to " +
-                       std::to_string(values.maximum));
+    std::ostringstream range;  // to_string would make 0 of small ones
+    range << values.minimum << " to " << values.maximum;
+    return no_isovalue("; the volume's values are from " + range.str());
   }
   GVX_ASSIGN(scene.functions, complete_functions(scene, flags, opened));
   scene.lighting = scene::LightingParts(scene.lighting.over(standard.lighting));

@@ -102,7 +102,9 @@ Engine::Engine(const exec::Device& device, std::shared_ptr<const produce::Produc
       residency_(device, *producer_, sizes),
       queue_(producer_, device.kind() == exec::DeviceKind::cpu ? device.threads() : kCudaProducers) {}
 
-Status Engine::look(const render::View& view) {
+Status Engine::look(const render::View& asked) {
+  render::View view = asked;
+  view.antialias = render::rays_along_pixel(asked, placement_of(producer_->description()));
   if (view_ && *view_ == view) return {};
   GVX_ASSIGN(auto frame, render::Frame::make(device_, view, placement_of(producer_->description()),
                                              frame_ ? &*frame_ : nullptr));

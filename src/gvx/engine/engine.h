@@ -51,7 +51,7 @@ class Engine {
 
   /// Says what to look at; an error where the view cannot be made. What was rendered is dropped if anything
   /// changed.
-  Status look(const render::View& view);
+  Status look(const render::View& asked);
 
   /// Renders until no ray lacks anything. The picture is the same for every cache size and number of threads.
   Status render_exact();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <vector>
 
@@ -16,8 +17,8 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kLargestFile = 16u << 20;
-// Straight pieces that stand in for a curve of Lab between two colours.
-constexpr int kLabPieces = 16;
+// Colours whose distance from black, or whose angle from the grey axis, is below this have no hue.
+constexpr double kGrey = 1e-3;
 
 // CIE 1976 L*a*b* under D65, through linear sRGB (IEC 61966-2-1).
 constexpr Vec3d kWhite{0.95047, 1.0, 1.08883};
@@ -43,19 +44,121 @@ Vec3d from_lab(Vec3d lab) {
   return {display(l.x), display(l.y), display(l.z)};
 }
 
-std::vector<scene::ColorPoint> subdivide_in_lab(const std::vector<scene::ColorPoint>& points) {
-  std::vector<scene::ColorPoint> fine;
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    const Vec3d a = to_lab(points[i].color), b = to_lab(points[i + 1].color);
-    fine.push_back(points[i]);
-    for (int k = 1; k < kLabPieces; ++k) {
-      const double w = double(k) / kLabPieces;
-      fine.push_back(
-          {points[i].value + w * (points[i + 1].value - points[i].value), from_lab(a + w * (b - a))});
+/// Polar coordinates of L*a*b*: its length, the angle from the grey axis, and the hue's angle (K. Moreland,
+/// "Diverging Color Maps for Scientific Visualization", 2009, section 3.2).
+struct Msh {
+  double m, s, h;
+};
+
+Msh to_msh(Vec3d rgb) {
+  const Vec3d lab = to_lab(rgb);
+  const double m = length(lab);
+  if (m < kGrey) return {0, 0, 0};
+  const double s = std::acos(std::clamp(lab.x / m, -1.0, 1.0));
+  return {m, s, s < kGrey ? 0 : std::atan2(lab.z, lab.y)};
+}
+
+Vec3d from_msh(Msh c) {
+  return from_lab(c.m * Vec3d{std::cos(c.s), std::sin(c.s) * std::cos(c.h), std::sin(c.s) * std::sin(c.h)});
+}
+
+/// The hue with which a colour goes over into one without, of length m, so that it seems to keep its own.
+double hue_towards_grey(const Msh& colored, double m) {
+  if (colored.m >= m - 0.1) return colored.h;
+  const double spin =
+      colored.s * std::sqrt(m * m - colored.m * colored.m) / (colored.m * std::sin(colored.s));
+  return colored.h > -M_PI / 3 ? colored.h + spin : colored.h - spin;
+}
+
+/// Between two colours, `share` of the way: through white where their hues are far apart.
+Vec3d mix_diverging(Vec3d from, Vec3d to, double share) {
+  constexpr double kColored = 0.05, kWhiteLength = 88;
+  Msh a = to_msh(from), b = to_msh(to);
+  const double apart = std::abs(std::remainder(a.h - b.h, 2 * M_PI));
+  if (a.s > kColored && b.s > kColored && apart > M_PI / 3) {
+    const double white = std::max({a.m, b.m, kWhiteLength});
+    if (share < 0.5) {
+      b = {white, 0, 0};
+      share = 2 * share;
+    } else {
+      a = {white, 0, 0};
+      share = 2 * share - 1;
     }
   }
-  fine.push_back(points.back());
+  if (a.s < kColored && b.s > kColored) a.h = hue_towards_grey(b, a.m);
+  if (b.s < kColored && a.s > kColored) b.h = hue_towards_grey(a, b.m);
+  return from_msh({a.m + share * (b.m - a.m), a.s + share * (b.s - a.s), a.h + share * (b.h - a.h)});
+}
+
+/// Hue, saturation and value (A. R. Smith, "Color Gamut Transform Pairs", 1978), each 0 to 1.
+Vec3d to_hsv(Vec3d c) {
+  const double most = std::max({c.x, c.y, c.z}), range = most - std::min({c.x, c.y, c.z});
+  if (!(range > 0)) return {0, 0, most};
+  const double sixths = most == c.x   ? (c.y - c.z) / range
+                        : most == c.y ? 2 + (c.z - c.x) / range
+                                      : 4 + (c.x - c.y) / range;
+  return {(sixths < 0 ? sixths + 6 : sixths) / 6, range / most, most};
+}
+
+Vec3d from_hsv(Vec3d hsv) {
+  const auto part = [&](double shift) {
+    const double sixths = std::fmod(6 * (hsv.x - std::floor(hsv.x)) + shift, 6.0);
+    return hsv.z * (1 - hsv.y * std::clamp(2 - std::abs(sixths - 3), 0.0, 1.0));
+  };
+  return {part(0), part(4), part(2)};
+}
+
+/// `wraps`: hues may go the shorter way, over red.
+Vec3d mix_hsv(Vec3d from, Vec3d to, double share, bool wraps) {
+  Vec3d a = to_hsv(from), b = to_hsv(to);
+  if (wraps && std::abs(a.x - b.x) > 0.5) (a.x > b.x ? a.x : b.x) -= 1;
+  return from_hsv(a + share * (b - a));
+}
+
+Vec3d mix_lab(Vec3d from, Vec3d to, double share) {
+  const Vec3d a = to_lab(from);
+  return from_lab(a + share * (to_lab(to) - a));
+}
+
+/// The points with as many more between them as straight lines need to be right to a quarter of a step of
+/// 8 bits.
+template <typename Mix>
+std::vector<scene::ColorPoint> subdivided(const std::vector<scene::ColorPoint>& points, const Mix& mix) {
+  constexpr double kTolerance = 0.25 / 255;
+  constexpr int kMostHalvings = 10;
+  std::vector<scene::ColorPoint> fine;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const scene::ColorPoint &a = points[i], &b = points[i + 1];
+    // Shares of the way and the colours there; adds what is between and the last.
+    const auto add = [&](const auto& self, double from, Vec3d first, double to, Vec3d last,
+                         int halvings) -> void {
+      const auto is_off = [&](double part) {
+        const Vec3d off = mix(a.color, b.color, from + part * (to - from)) - (first + part * (last - first));
+        return std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) > kTolerance;
+      };
+      if (halvings < kMostHalvings && (is_off(0.25) || is_off(0.5) || is_off(0.75))) {
+        const double middle = 0.5 * (from + to);
+        const Vec3d here = mix(a.color, b.color, middle);
+        self(self, from, first, middle, here, halvings + 1);
+        return self(self, middle, here, to, last, halvings + 1);
+      }
+      fine.push_back({a.value + to * (b.value - a.value), last});
+    };
+    if (i == 0) fine.push_back(a);
+    add(add, 0, a.color, 1, b.color, a.value < b.value ? 0 : kMostHalvings);
+  }
+  if (fine.empty()) return points;
   return fine;
+}
+
+/// Between two points the colour of the second.
+std::vector<scene::ColorPoint> in_steps(const std::vector<scene::ColorPoint>& points) {
+  std::vector<scene::ColorPoint> steps = {points.front()};
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    steps.push_back({points[i - 1].value, points[i].color});
+    steps.push_back(points[i]);
+  }
+  return steps;
 }
 
 /// The numbers of an array whose length is a multiple of `group`.
@@ -74,23 +177,79 @@ Result<std::vector<double>> numbers(const std::string& path, const json& map, co
   return values;
 }
 
+/// Is a field there, and neither false nor 0?
+bool is_set(const json& map, const char* field) {
+  if (!map.contains(field)) return false;
+  const json& value = map[field];
+  return value.is_boolean() ? value.get<bool>() : value.is_number() && value.get<double>() != 0;
+}
+
 Status read_colors(const std::string& path, const json& map, scene::TransferFunction& function) {
   GVX_ASSIGN(const auto v, numbers(path, map, "RGBPoints", 4));
   for (std::size_t i = 0; i < v.size(); i += 4)
     function.colors.push_back({v[i], {v[i + 1], v[i + 2], v[i + 3]}});
-  const std::string space =
-      map.contains("ColorSpace") && map["ColorSpace"].is_string() ? map["ColorSpace"] : "RGB";
-  if (space == "Lab" || space == "CIELAB") {
-    function.colors = subdivide_in_lab(function.colors);
-  } else if (space != "RGB") {
-    return file_error(path, "ColorSpace " + io::quoted(space) + " is not supported; RGB or Lab expected");
+  if (map.contains("ColorSpace") && !map["ColorSpace"].is_string()) {
+    return file_error(path, "ColorSpace is not a name");
   }
+  const std::string space = map.contains("ColorSpace") ? map["ColorSpace"] : "RGB";
+  const bool wraps = is_set(map, "HSVWrap");
+  if (space == "Lab" || space == "CIELAB") {
+    function.colors = subdivided(function.colors, mix_lab);
+  } else if (space == "Diverging") {
+    function.colors = subdivided(function.colors, mix_diverging);
+  } else if (space == "HSV") {
+    function.colors = subdivided(function.colors,
+                                 [&](Vec3d a, Vec3d b, double share) { return mix_hsv(a, b, share, wraps); });
+  } else if (space == "Step") {
+    function.colors = in_steps(function.colors);
+  } else if (space != "RGB") {
+    return file_error(path, "ColorSpace " + io::quoted(space) +
+                                " is not supported; RGB, HSV, Lab, Diverging or Step expected");
+  }
+  return {};
+}
+
+/// A colour for each category: each annotated value has the next of the colours, from the first on again
+/// where there are fewer; without annotations they are those of 0, 1, 2.. Between categories the nearest
+/// counts.
+Status read_categories(const std::string& path, const json& map, scene::TransferFunction& function) {
+  GVX_ASSIGN(const auto v, numbers(path, map, "IndexedColors", 3));
+  std::vector<Vec3d> colors;
+  for (std::size_t i = 0; i < v.size(); i += 3) colors.emplace_back(v[i], v[i + 1], v[i + 2]);
+  std::vector<scene::ColorPoint> categories;
+  if (map.contains("Annotations") && !map["Annotations"].empty()) {
+    const json& annotations = map["Annotations"];
+    if (!annotations.is_array() || annotations.size() % 2 != 0) {
+      return file_error(path, "Annotations is not a list of values and names in turn");
+    }
+    for (std::size_t i = 0; i < annotations.size(); i += 2) {
+      const json& value = annotations[i];
+      const std::optional<double> number = value.is_number()   ? std::optional(value.get<double>())
+                                           : value.is_string() ? parse_number(value.get<std::string>())
+                                                               : std::nullopt;
+      if (!number) return file_error(path, "Annotations holds a value that is not a number");
+      categories.push_back({*number, colors[i / 2 % colors.size()]});
+    }
+    std::stable_sort(categories.begin(), categories.end(),
+                     [](const auto& a, const auto& b) { return a.value < b.value; });
+  } else {
+    for (const Vec3d& color : colors) categories.push_back({double(categories.size()), color});
+  }
+  function.colors = {categories.front()};
+  for (std::size_t i = 1; i < categories.size(); ++i) {
+    const double between = categories[i - 1].value + 0.5 * (categories[i].value - categories[i - 1].value);
+    function.colors.push_back({between, categories[i - 1].color});
+    function.colors.push_back({between, categories[i].color});
+  }
+  // As of label_colors: 0 is what is around.
+  if (!map.contains("Points")) function.opacities = {{0, 0}, {0.5, 0}, {0.5, 0.9}};
   return {};
 }
 
 Status read_opacities(const std::string& path, const json& map, scene::TransferFunction& function) {
   if (!map.contains("Points")) {
-    function.opacities = {{function.colors.front().value, 0}, {function.colors.back().value, 1}};
+    if (function.opacities.empty())
+      function.opacities = {{function.colors.front().value, 0}, {function.colors.back().value, 1}};
     return {};
   }
   GVX_ASSIGN(const auto v, numbers(path, map, "Points", 4));
@@ -121,11 +280,17 @@ Result<scene::TransferFunction> read_transfer_function(const std::string& path) 
   json document = json::parse(text, nullptr, false, true);
   if (document.is_discarded()) return file_error(path, "not JSON");
   if (document.is_array() && !document.empty()) document = document.front();
-  if (!document.is_object() || !document.contains("RGBPoints")) {
-    return file_error(path, "not a colour map: an object with RGBPoints expected");
+  if (!document.is_object() || !(document.contains("RGBPoints") || document.contains("IndexedColors"))) {
+    return file_error(path, "not a colour map: an object with RGBPoints or IndexedColors expected");
   }
   scene::TransferFunction function;
-  GVX_TRY(read_colors(path, document, function));
+  const bool by_category = document.contains("IndexedColors") &&
+                           (!document.contains("RGBPoints") || is_set(document, "IndexedLookup"));
+  if (by_category) {
+    GVX_TRY(read_categories(path, document, function));
+  } else {
+    GVX_TRY(read_colors(path, document, function));
+  }
   GVX_TRY(read_opacities(path, document, function));
   if (document.contains("UnitDistance")) {
     if (!document["UnitDistance"].is_number()) return file_error(path, "UnitDistance is not a number");

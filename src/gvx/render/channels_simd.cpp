@@ -127,7 +127,7 @@ class Channels {
       span.variance3[c] = Means<false>::variance3(a, b);
       span.matter[c] = Means<false>(functions_[c]).mean(a.entry, b.entry, span.variance3[c], mask);
       span.extinction = hn::Add(span.extinction, span.matter[c].part[3]);
-      span.longest = hn::Max(span.longest, hn::Abs(hn::Sub(b.entry, a.entry)));
+      span.longest = hn::Max(span.longest, functions_[c].length(a.entry, b.entry));
     }
     return span;
   }

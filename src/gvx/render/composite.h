@@ -20,8 +20,6 @@ struct EntryPath {
   float from = 0, to = 0;
   float variance3 = 0;  ///< three times the variance around it
 
-  GVX_HD float length() const { return std::fabs(to - from); }
-
   /// The mean matter of the part of it between two shares of its length.
   GVX_HD scene::Matter mean(const scene::TransferView& function, float begin, float end) const {
     const float a = from + begin * (to - from), b = end < 1 ? from + end * (to - from) : to;
@@ -52,17 +50,17 @@ struct Pieces {
   GVX_HD bool has(int index) const { return static_cast<float>(index) < number; }
 };
 
-// A step is sampled at more places the more it adds to what is seen and the more entries of the function it
-// goes through: one for each time that it goes through this many, where it hides all.
+// A step is sampled at more places the more it adds to what is seen and the farther it goes through the
+// function: one for each time that it goes through this many 4096ths of it, where it hides all.
 inline constexpr float kWidePath = 4.0f;
 inline constexpr float kMostCuts = 8.0f;
-// Between two samples, a span that goes through more entries than this is cut into parts: one for each
-// time that it adds kThinDepth, if it goes through twice as many entries or more.
+// Between two samples, a span that goes through more 4096ths than this is cut into parts: one for each time
+// that it adds kThinDepth, if it goes through twice as many or more.
 inline constexpr float kNarrowPath = 8.0f;
 inline constexpr float kThinDepth = 0.25f;
 inline constexpr float kMostParts = 8.0f;
 
-/// How a step is cut that adds this much to what is seen, at most 1, and goes through so many entries.
+/// How a step is cut that adds this much to what is seen, at most 1, and goes so far through the function.
 GVX_HD inline Pieces cuts_of(float adds, float longest) {
   return Pieces::asked(adds * longest / kWidePath, kMostCuts);
 }
@@ -81,7 +79,7 @@ struct Span {
   EntryPath path[kChannels];
   scene::Matter matter[kChannels];
   float extinction = 0;
-  float longest = 0;  ///< entries of a function that a channel goes through
+  float longest = 0;  ///< way that a channel goes through its function (TransferView::length)
 
   GVX_HD Span(const scene::Visibility& visibility, std::uint32_t channels, float centre_, float begin_,
               float end_, const ScalarSample* front, const ScalarSample* back)
@@ -93,7 +91,7 @@ struct Span {
                  3 * deviation * deviation};
       matter[c] = path[c].mean(function, 0, 1);
       extinction += matter[c].extinction;
-      longest = std::fmax(longest, path[c].length());
+      longest = std::fmax(longest, function.length(path[c].from, path[c].to));
     }
   }
 };

@@ -287,7 +287,11 @@ class Rays {
     return place_of(i, texel[0], samples[0].value);
   }
 
-  /// By a step's or a span's matter and the entries that it goes through.
+  /// TransferView::length.
+  HWY_INLINE Float length(const Place& from, const Place& to) const {
+    return bricks_.function.length(from.entry, to.entry);
+  }
+  /// By a step's or a span's matter and how far it goes through the function.
   HWY_INLINE Pieces cuts(Float extinction, Float longest) const {
     return cuts_of(adds_in_step(extinction), longest);
   }

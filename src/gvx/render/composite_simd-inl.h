@@ -107,7 +107,7 @@ class Stepping {
     const Float extinction = matter.part[3], units = all(batch_.units);
     visible = hn::And(visible, hn::Gt(extinction, hn::Zero(kFloats)));
     if (none(visible)) return;
-    const Float longest = hn::Abs(hn::Sub(back.entry, front.entry));
+    const Float longest = rays.length(front, back);
     const Mask waiting = hn::And(visible, rays.is_cut(extinction, units, longest));
     if (!none(waiting)) {
       const Float numbers[5] = {step_[k], front.entry, front.deviation, back.entry, back.deviation};
@@ -157,7 +157,7 @@ class Cutting {
     const Place back{waited.fourth, waited.per_step.x};
     Means<kPlain> ahead = means_;
     const Matter whole = ahead.mean(from.entry, back.entry, Means<kPlain>::variance3(from, back), valid);
-    const Pieces cuts = rays_.cuts(whole.part[3], hn::Abs(hn::Sub(back.entry, from.entry)));
+    const Pieces cuts = rays_.cuts(whole.part[3], rays_.length(from, back));
     const Float front = hn::Sub(centre_, all(0.5f));
     const float most = cuts.most(valid);
     Float begin = front;
@@ -192,7 +192,7 @@ class Cutting {
       return;
     }
     const Float way = hn::Sub(to.entry, from.entry);
-    const Pieces parts = rays_.parts(whole.part[3], units, hn::Abs(way));
+    const Pieces parts = rays_.parts(whole.part[3], units, rays_.length(from, to));
     Seen seen = Seen::nothing();
     Float lit_at = centre_;
     Slope slope;

@@ -33,7 +33,8 @@ Status check(const View& view, const TreePlacement& placement) {
     return Error{"picture size: " + std::to_string(view.width) + "x" + std::to_string(view.height) +
                  " is not between 1x1 and 32768x32768"};
   }
-  if (view.antialias < 1 || view.antialias > 8) return Error{"antialias: must be from 1 to 8"};
+  if (view.antialias < 1 || view.antialias > View::kMostAntialias)
+    return Error{"antialias: must be from 1 to 8"};
   if (!(view.samples_per_voxel >= 1 && view.samples_per_voxel <= 1000)) {
     return Error{"samples per voxel: must be between 1 and 1000"};
   }
@@ -68,6 +69,53 @@ Status check(const View& view, const TreePlacement& placement) {
   return {};
 }
 
+/// Of stored values: where physical ones fall as those rise, the greatest is the least.
+scene::Mode mode_of_stored(scene::Mode mode, double scale) {
+  if (scale >= 0) return mode;
+  return mode == scene::Mode::maximum   ? scene::Mode::minimum
+         : mode == scene::Mode::minimum ? scene::Mode::maximum
+                                        : mode;
+}
+
+/// The physical values that rays may find in a channel.
+scene::ValueSpan values_of(const TreePlacement& placement, const scene::Visibility& visibility,
+                           std::uint32_t channel) {
+  const ValueRange stored = visibility.widened(placement.ranges.channel[channel]);
+  const double a = placement.scale * double(stored.minimum) + placement.offset;
+  const double b = placement.scale * double(stored.maximum) + placement.offset;
+  if (!std::isfinite(a) || !std::isfinite(b)) return {};
+  return {std::min(a, b), std::max(a, b)};
+}
+
+FrameView::Extreme extreme_of(const scene::Visibility& visibility, ValueRange stored) {
+  const ValueRange all = visibility.widened(stored);
+  // Its inverse is a number, too.
+  constexpr double kLeast = 1e-37, kMost = 1e37;
+  const auto span = static_cast<float>(std::clamp(double(all.maximum) - double(all.minimum), kLeast, kMost));
+  if (visibility.mode == scene::Mode::maximum) return {all.minimum, span, 1 / span};
+  return {all.maximum, -span, 1 / span};
+}
+
+/// Of a voxel of the finest level, in the world.
+Vec3d spacing_of(const TreePlacement& placement) {
+  const double voxels =
+      nodes_across(placement.n, static_cast<std::uint32_t>(placement.max_level)) * placement.m;
+  const Affine3& place = placement.tree_to_world;
+  return Vec3d(length(place.column[0]), length(place.column[1]), length(place.column[2])) / voxels;
+}
+
+/// How far the volume reaches from the eye.
+double farthest(const Box3d& extent, const Affine3& tree_to_world, Vec3dd eye_world) {
+  double farthest = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3d p;
+    for (int axis = 0; axis < 3; ++axis)
+      p[axis] = (corner >> axis & 1) != 0 ? extent.maximum[axis] : extent.minimum[axis];
+    farthest = std::max(farthest, length(Vec3d(point(tree_to_world, Vec3dd(p)) - eye_world)));
+  }
+  return farthest;
+}
+
 void set_gradient_lengths(FrameView& v) {
   const Affine3& m = v.world_to_tree;
   const auto product = [&](int a, int b) {
@@ -87,6 +135,23 @@ void set_gradient_lengths(FrameView& v) {
 }
 
 }  // namespace
+
+std::uint32_t rays_along_pixel(const View& view, const TreePlacement& placement) {
+  constexpr std::uint64_t kMostRays = std::uint64_t(1) << 24;
+  const std::uint32_t rays = 2 * view.antialias;
+  if (!scene::seeks_extreme(view.mode) || !view.level_of_detail || rays > View::kMostAntialias ||
+      std::uint64_t(view.width) * view.height * rays * rays > kMostRays) {
+    return view.antialias;
+  }
+  const auto camera =
+      scene::make_view(view.camera, view.width * view.antialias, view.height * view.antialias);
+  if (!camera.ok()) return view.antialias;  // Frame::make says what is wrong
+  double cone = camera.value().pixel;
+  if (!camera.value().orthographic) {
+    cone *= farthest(placement.extent, placement.tree_to_world, view.camera.eye_world());
+  }
+  return cone > view.detail * max_component(spacing_of(placement)) ? rays : view.antialias;
+}
 
 Result<Frame> Frame::make(const exec::Device& device, const View& view, const TreePlacement& placement,
                           const Frame* previous) {
@@ -109,17 +174,14 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   v.levels = frame.levels_.view().data;
   v.format = placement.format;
 
-  const double finest_voxels =
-      nodes_across(placement.n, static_cast<std::uint32_t>(placement.max_level)) * placement.m;
-  const Affine3& place = placement.tree_to_world;
-  const Vec3d spacing =
-      Vec3d(length(place.column[0]), length(place.column[1]), length(place.column[2])) / finest_voxels;
+  const Vec3d spacing = spacing_of(placement);
   set_gradient_lengths(v);
   v.tick_world = min_component(spacing) / view.samples_per_voxel;
   v.voxels_per_step = static_cast<float>(1 / view.samples_per_voxel);
   v.max_level = placement.max_level;
   v.eye_tree = Vec3d(eye);
-  v.finest_voxel = 1 / finest_voxels;
+  v.finest_voxel =
+      1 / (nodes_across(placement.n, static_cast<std::uint32_t>(placement.max_level)) * placement.m);
   v.adds_noise = view.noise.has_value();
   if (view.noise) {
     v.noise = *view.noise;
@@ -127,11 +189,13 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
     v.visibility.noise_fades = v.noise.fades;
   }
 
+  // Means hide the greatest values: these are sought a level further down.
+  const double detail = (scene::seeks_extreme(view.mode) ? 2 : 1) * view.detail;
   double stride = 1;
   for (int level = placement.max_level; level >= 0; --level, stride *= placement.n) {
     v.stride[level] = stride;
     v.gradient_scale[level] = static_cast<float>(1 / std::sqrt(std::min(stride, 4.0)));
-    const double wide_enough = view.detail * max_component(spacing) * stride;
+    const double wide_enough = detail * max_component(spacing) * stride;
     const bool out_of_reach = !view.level_of_detail || v.camera.orthographic;
     v.lod_distance[level] =
         out_of_reach ? std::numeric_limits<double>::infinity() : wide_enough / v.camera.pixel;
@@ -149,23 +213,27 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   v.units_per_tick = static_cast<float>(v.tick_world / unit);
   // A step of the finest level through the most opaque matter leaves less than RayMarcher looks at.
   const double most_extinction = std::clamp(8 * unit / v.tick_world, 16.0, 1e6);
-  v.visibility.mode = view.mode;
+  v.visibility.mode = mode_of_stored(view.mode, placement.scale);
   v.visibility.channels = placement.format.channels();
   for (std::uint32_t c = 0; c < v.visibility.channels; ++c) {
     const scene::TransferFunction& function =
         view.functions.empty() ? none : view.functions[std::min<std::size_t>(c, view.functions.size() - 1)];
+    const scene::ValueSpan values = values_of(placement, v.visibility, c);
+    v.extreme[c] = extreme_of(v.visibility, placement.ranges.channel[c]);
     std::shared_ptr<const Tables> tables;
     if (previous != nullptr && c < previous->tables_.size()) {
       const Tables& before = *previous->tables_[c];
-      if (before.function == function && before.most_extinction == most_extinction) {
+      if (before.function == function && before.values == values &&
+          before.most_extinction == most_extinction) {
         tables = previous->tables_[c];
       }
     }
-    if (tables == nullptr) tables = make_tables(device, function, placement, most_extinction);
+    if (tables == nullptr) tables = make_tables(device, function, placement, values, most_extinction);
     v.visibility.functions[c] = tables->view;
+    // Its inverse is a number, too.
+    constexpr float kLeastGradient = 1e-36f;
+    v.soft_gradient[c] = std::max(static_cast<float>(scene::kSoftGradient * tables->span), kLeastGradient);
     frame.tables_.push_back(std::move(tables));
-    v.soft_gradient[c] = static_cast<float>(scene::kSoftGradient * scene::TransferView::kEntries /
-                                            std::abs(v.visibility.functions[c].to_entry_scale));
   }
   v.classification = view.classification;
   // No step is longer than a voxel of the brick that it is in.
@@ -191,11 +259,11 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
 std::shared_ptr<const Frame::Tables> Frame::make_tables(const exec::Device& device,
                                                         const scene::TransferFunction& function,
                                                         const TreePlacement& placement,
-                                                        double most_extinction) {
+                                                        scene::ValueSpan values, double most_extinction) {
   scene::TransferTable table;
   switch (placement.format.content) {
     case VoxelContent::scalar:
-      table = scene::bake(function, placement.scale, placement.offset, most_extinction);
+      table = scene::bake(function, placement.scale, placement.offset, most_extinction, values);
       break;
     case VoxelContent::labels:
       table = scene::bake_labels(function, placement.scale, placement.offset,
@@ -206,6 +274,8 @@ std::shared_ptr<const Frame::Tables> Frame::make_tables(const exec::Device& devi
   }
   auto tables = std::make_shared<Tables>();
   tables->function = function;
+  tables->values = values;
+  tables->span = table.span;
   tables->most_extinction = most_extinction;
   tables->matter = upload(device, table.matter);
   tables->integral = upload(device, table.integral);
@@ -223,19 +293,19 @@ std::shared_ptr<const Frame::Tables> Frame::make_tables(const exec::Device& devi
 
 std::shared_ptr<const Frame::StepTable> Frame::make_steps(const FrameView& view,
                                                           std::shared_ptr<const Tables> tables) {
-  constexpr std::size_t kEntries = scene::TransferView::kEntries;
   auto steps = std::make_shared<StepTable>();
   steps->tables = std::move(tables);
   steps->units_per_tick = view.units_per_tick;
   steps->strides.assign(view.stride, view.stride + view.max_level + 1);
-  steps->colors.resize(steps->strides.size() * kEntries);
   const scene::TransferView& function = steps->tables->view;
+  const auto entries = static_cast<std::size_t>(function.entries);
+  steps->colors.resize(steps->strides.size() * entries);
   for (std::size_t level = 0; level < steps->strides.size(); ++level) {
     const float units = view.units_per_tick * static_cast<float>(steps->strides[level]);
-    for (std::size_t entry = 0; entry < kEntries; ++entry) {
+    for (std::size_t entry = 0; entry < entries; ++entry) {
       const scene::Matter& m = function.matter[entry];
       if (!(m.extinction > 0.0f)) continue;
-      steps->colors[level * kEntries + entry] = {m.color / m.extinction, 1 - std::exp(-m.extinction * units)};
+      steps->colors[level * entries + entry] = {m.color / m.extinction, 1 - std::exp(-m.extinction * units)};
     }
   }
   return steps;

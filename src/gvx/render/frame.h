@@ -64,11 +64,18 @@ struct FrameView {
   scene::LightingView lighting;
   scene::Classification classification = scene::Classification::preintegrated;
   /// On a CPU, post-classified, one channel: what a step of level l adds for each entry of the function is
-  /// step_colors[l * TransferView::kEntries + entry].
+  /// step_colors[l * its number of entries + entry].
   const StepColor* step_colors = nullptr;
   float units_per_tick = 1;   ///< unit distances of the extinctions
   float voxels_per_step = 1;  ///< of the level that is sampled
   Vec3f iso_color;
+  /// Of a channel whose greatest values are sought, what those of coarse voxels are told from: the least of
+  /// all, and how far it is from there to the greatest; of least values the greatest and the way down.
+  struct Extreme {
+    float from = 0, span = 0;
+    float per_span = 0;  ///< inverse, of its size
+  };
+  Extreme extreme[kMaxChannels];
   /// From a gradient a voxel of a level to one that surfaces are told from noise by. An edge's gradient a
   /// voxel is the same at every level, a slope's grows with the voxels: this is half way between, for the
   /// first levels: far up only edges are left.
@@ -181,6 +188,12 @@ struct FrameView {
   }
 };
 
+/// Rays along an axis of a pixel: as many as are asked for, or twice as many where the greatest or the least
+/// values are sought and pixels are so wide, somewhere in the volume, that levels would be blended: what is
+/// thin and bright lies between single rays. No more than View::kMostAntialias, nor for pictures so large
+/// that there would be more than 2^24.
+std::uint32_t rays_along_pixel(const View& view, const TreePlacement& placement);
+
 /// Owns the tables behind a FrameView; frames of the same transfer functions share them.
 class Frame {
  public:
@@ -195,7 +208,9 @@ class Frame {
   /// A transfer function's tables on the device.
   struct Tables {
     scene::TransferFunction function;
+    scene::ValueSpan values;
     double most_extinction = 0;
+    double span = 0;
     exec::Buffer<scene::Matter> matter;
     exec::Buffer<scene::TransferView::Integral> integral;
     exec::Buffer<std::uint32_t> visible_before;
@@ -213,7 +228,8 @@ class Frame {
                                                      std::shared_ptr<const Tables> tables);
   static std::shared_ptr<const Tables> make_tables(const exec::Device& device,
                                                    const scene::TransferFunction& function,
-                                                   const TreePlacement& placement, double most_extinction);
+                                                   const TreePlacement& placement, scene::ValueSpan values,
+                                                   double most_extinction);
 
   FrameView view_;
   exec::Buffer<LevelView> levels_;

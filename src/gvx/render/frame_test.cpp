@@ -83,6 +83,46 @@ TEST(Frame, without_level_of_detail_all_is_finest) {
   EXPECT_EQ(Frame::make(exec::Device::cpu(), view, tree).value().view().zone_at(1e12, 0).level, 4);
 }
 
+TEST(Frame, greatest_values_from_afar_take_more_rays) {
+  const TreePlacement tree{2, 16, 5, {}, {}, {{0, 0, 0}, {1, 1, 1}}, 1, 0, {}};
+  const auto rays = [&](double distance, auto change) {
+    View view = simple_view();
+    view.mode = scene::Mode::maximum;
+    view.camera.eye.z = -distance;
+    change(view);
+    return rays_along_pixel(view, tree);
+  };
+  const auto as_it_is = [](View&) {};
+  // Pixels of two voxels at its farthest.
+  const double far = 100 / (2 * std::tan(15 * M_PI / 180)) * 2 / (16 * 32);
+  EXPECT_EQ(rays(far - 1.6, as_it_is), 1u);
+  EXPECT_EQ(rays(far, as_it_is), 2u);
+  EXPECT_EQ(rays(far, [](View& v) { v.mode = scene::Mode::minimum; }), 2u);
+  EXPECT_EQ(rays(far, [](View& v) { v.mode = scene::Mode::mean; }), 1u);
+  EXPECT_EQ(rays(far, [](View& v) { v.mode = scene::Mode::composite; }), 1u);
+  EXPECT_EQ(rays(far, [](View& v) { v.level_of_detail = false; }), 1u);
+  EXPECT_EQ(rays(far, [](View& v) { v.antialias = 4; }), 4u);
+  EXPECT_EQ(rays(4 * far, [](View& v) { v.antialias = 4; }), 4u);
+  EXPECT_EQ(rays(8 * far, [](View& v) { v.antialias = 4; }), 8u);
+  EXPECT_EQ(rays(80 * far, [](View& v) { v.antialias = 8; }), 8u);
+  EXPECT_EQ(rays(80 * far, [](View& v) { v.width = v.height = 4000; }), 1u);
+  EXPECT_EQ(rays(far, [](View& v) { v.camera.height_world = 0.3; }), 1u);
+  EXPECT_EQ(rays(far, [](View& v) { v.camera.height_world = 0.5; }), 2u);
+}
+
+TEST(Frame, a_negative_slope_turns_greatest_and_least_around) {
+  const auto mode_of = [](scene::Mode mode, double scale) {
+    View view = simple_view();
+    view.mode = mode;
+    const TreePlacement tree{2, 16, 5, {}, {}, {{0, 0, 0}, {1, 1, 1}}, scale, 0, {}};
+    return Frame::make(exec::Device::cpu(), view, tree).value().view().visibility.mode;
+  };
+  EXPECT_EQ(mode_of(scene::Mode::maximum, 2), scene::Mode::maximum);
+  EXPECT_EQ(mode_of(scene::Mode::maximum, -2), scene::Mode::minimum);
+  EXPECT_EQ(mode_of(scene::Mode::minimum, -2), scene::Mode::maximum);
+  EXPECT_EQ(mode_of(scene::Mode::mean, -2), scene::Mode::mean);
+}
+
 TEST(Frame, bad_views_are_errors) {
   const TreePlacement tree;
   const auto fails = [&](auto change) {

@@ -204,8 +204,8 @@ class RayMarcher {
     s.t_centre = step.t_centre;
     s.t_step = t_step;
     s.fine = path_in(place.slot, place.brick_level, step, place, t_step);
-    // Far coarser than wanted, deviations are of more than a step can tell apart: they would show fog.
-    s.fine_deviates = place.brick_level < view_.frame.max_level && place.brick_level == step.level;
+    s.fine_deviates = place.deviates(view_.frame, step.level);
+    if (projects()) s.ranges = walk_.ranges_of(place);
     s.blended = place.blended;
     if (view_.frame.adds_noise) {
       s.noisy = &view_.frame;

@@ -29,8 +29,7 @@ class PlaceBricks {
     batch.level = wanted.step_level;
     batch.blended = place.blended;
     wanted.fine = path_of(place, place.slot, place.brick_level, batch.fine);
-    // Far coarser than wanted, deviations are of more than a step can tell apart: they would show fog.
-    batch.fine.deviates = place.brick_level < frame_.max_level && place.brick_level == level;
+    batch.fine.deviates = place.deviates(frame_, level);
     batch.fine.gradient_scale = frame_.gradient_scale[wanted.step_level];
     if (place.blended) {
       wanted.coarse = path_of(place, place.parent_slot, place.level - 1, batch.coarse);

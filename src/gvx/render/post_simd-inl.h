@@ -11,6 +11,7 @@
 #define GVX_RENDER_POST_SIMD_INL_H
 #endif
 
+#include <bit>
 #include <type_traits>
 
 #include <hwy/highway.h>
@@ -33,14 +34,9 @@ class StepRows {
  public:
   /// Of values in multiples of `unit`.
   HWY_INLINE StepRows(const scene::TransferView& function, float unit)
-      : scale_(all(function.to_entry_scale * unit)),
-        offset_(all(kFirst + 0.5f + function.to_entry_offset)),
-        first_visible_(all(kFirst + 0.5f + function.first_visible)),
-        last_visible_(all(kFirst + 0.5f + function.last_visible)),
-        first_(hn::BitCast(kInts, all(kFirst))),
-        last_(hn::BitCast(kInts, all(kFirst + static_cast<float>(function.entries - 1)))) {}
+      : StepRows(function, unit, function.entries <= kUsual ? kUsual : kMost) {}
 
-  /// The entry, half an entry and kFirst.
+  /// The entry, half an entry and what entries are told from.
   HWY_INLINE Float place_of(Float value) const { return hn::MulAdd(value, scale_, offset_); }
   HWY_INLINE Mask visible(Float place) const {
     return hn::And(hn::Gt(place, first_visible_), hn::Lt(place, last_visible_));
@@ -48,19 +44,27 @@ class StepRows {
   /// In bytes. Whatever place is no number has one, too.
   HWY_INLINE Int offset_of(Float place) const {
     const Int held = hn::Min(hn::Max(hn::BitCast(kInts, place), first_), last_);
-    return hn::And(hn::ShiftRight<kPlaceBits - kRowBits>(held), all_ints((kMostEntries - 1) << kRowBits));
+    return hn::And(hn::ShiftRightSame(held, fraction_bits_ - kRowBits), rows_);
   }
 
  private:
-  static constexpr int kMostEntries = 8192, kRowBits = 4;
-  /// From here on a float's last bits are the fraction of an entry; those before them are a whole number.
-  static constexpr float kFirst = kMostEntries;
-  static constexpr int kPlaceBits = 10;
-  static_assert(kMostEntries << kPlaceBits == 1 << 23 && scene::TransferView::kEntries <= kMostEntries);
-  static_assert(sizeof(StepColor) == 1 << kRowBits);
+  static constexpr int kUsual = 8192, kMost = scene::TransferView::kMostEntries, kRowBits = 4;
+  static_assert(scene::TransferView::kEntries <= kUsual && sizeof(StepColor) == 1 << kRowBits);
+
+  /// From `base` on a float's last bits are the fraction of an entry; those before them are a whole number.
+  HWY_INLINE StepRows(const scene::TransferView& function, float unit, int base)
+      : scale_(all(function.to_entry_scale * unit)),
+        offset_(all(static_cast<float>(base) + 0.5f + function.to_entry_offset)),
+        first_visible_(all(static_cast<float>(base) + 0.5f + function.first_visible)),
+        last_visible_(all(static_cast<float>(base) + 0.5f + function.last_visible)),
+        first_(hn::BitCast(kInts, all(static_cast<float>(base)))),
+        last_(hn::BitCast(kInts, all(static_cast<float>(base + function.entries - 1)))),
+        rows_(all_ints((base - 1) << kRowBits)),
+        fraction_bits_(23 - std::countr_zero(static_cast<unsigned>(base))) {}
 
   const Float scale_, offset_, first_visible_, last_visible_;
-  const Int first_, last_;
+  const Int first_, last_, rows_;
+  const int fraction_bits_;
 };
 
 /// The rays of so many vectors, and what they go through. kPlain: one brick; else two that are blended.
@@ -87,7 +91,7 @@ class Post {
     const Samples fine(fine_, edge_), coarse(coarse_, edge_);
     const StepRows rows(function_, Samples::kUnit);
     const std::byte* table = reinterpret_cast<const std::byte*>(
-        frame_.step_colors + std::size_t(batch_.level) * scene::TransferView::kEntries);
+        frame_.step_colors + static_cast<std::size_t>(batch_.level * function_.entries));
     PathRows path[kVectors];
     Float first[kVectors], end[kVectors], last_step[kVectors], opacity[kVectors], most = hn::Zero(kFloats);
     Int samples[kVectors];

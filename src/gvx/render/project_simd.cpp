@@ -1,6 +1,7 @@
 // project_batch: projection.h once more, with a ray in each lane of a vector. Compiled once for each
 // instruction set.
 
+#include "gvx/render/projection.h"
 #include "gvx/render/simd_targets.h"
 #include "gvx/render/stretch.h"
 #include "gvx/render/stretch_batch.h"
@@ -12,18 +13,62 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 #include "gvx/render/batch_simd-inl.h"
+#include "gvx/render/deviation_simd-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
 namespace {
 
+/// The greatest or least values of what a channel's samples stand for.
+class Extremes {
+ public:
+  HWY_INLINE Extremes(const FrameView& frame, const StretchBatch& batch, std::uint32_t channel)
+      : extreme_(frame.extreme[channel]),
+        range_(frame.visibility.widened(batch.ranges.channel[channel])),
+        places_(static_cast<int>(batch.m)),
+        fine_(deviations(frame, batch, channel, batch.fine)),
+        coarse_(deviations(frame, batch, channel, batch.blended ? batch.coarse : batch.fine)) {}
+
+  HWY_INLINE Float fine_deviation(const Vec3v& p) const { return deviation(fine_, p); }
+  HWY_INLINE Float coarse_deviation(const Vec3v& p) const { return deviation(coarse_, p); }
+
+  /// extreme_of.
+  HWY_INLINE Float of(Float value, Float deviation) const {
+    const Float per_span = all(extreme_.per_span);
+    const Float away = hn::Mul(hn::Sub(value, all(extreme_.from)), per_span);
+    const Float share = hn::Mul(deviation, per_span);
+    const Float squares = hn::MulAdd(away, away, hn::Mul(all(kCoveredShare), hn::Mul(share, share)));
+    const Float extreme = hn::MulAdd(all(extreme_.span), hn::Sqrt(squares), all(extreme_.from));
+    const Float held = hn::Max(hn::Min(extreme, all(range_.maximum)), all(range_.minimum));
+    return hn::IfThenElse(hn::Gt(deviation, hn::Zero(kFloats)), held, value);
+  }
+
+ private:
+  static PlainDeviations deviations(const FrameView& frame, const StretchBatch& batch, std::uint32_t channel,
+                                    const StretchBatch::Path& path) {
+    const std::size_t planes = frame.format.planes * plane_texels(batch.m) * voxel_bytes(frame.format.type);
+    const std::byte* plane = path.brick + planes + channel * deviation_bytes(batch.m);
+    return {path.deviates ? reinterpret_cast<const std::uint8_t*>(plane) : nullptr,
+            static_cast<int>(batch.m)};
+  }
+  HWY_INLINE Float deviation(const PlainDeviations& deviations, const Vec3v& p) const {
+    return deviations.some() ? deviations.at(places_.held(in_texels(p))) : hn::Zero(kFloats);
+  }
+
+  const FrameView::Extreme extreme_;
+  const ValueRange range_;
+  const PlacesInside places_;
+  const PlainDeviations fine_, coarse_;
+};
+
 /// One channel of the rays of two vectors, whose `gathered` it goes on from; `first`: nothing was gathered
-/// yet.
-template <scene::Mode kMode, typename Texels>
-HWY_INLINE void project_channel(const FrameView& frame, const StretchBatch& batch,
+/// yet. kDeviates: coarse voxels stand for more than their mean.
+template <scene::Mode kMode, bool kDeviates, typename Texels>
+HWY_INLINE void project_channel(const FrameView& frame, const StretchBatch& batch, std::uint32_t channel,
                                 const BatchLanes (&lanes)[2], const Texels& fine, const Texels& coarse,
                                 const Mask (&first)[2], Float (&gathered)[2]) {
+  const Extremes extremes(frame, batch, channel);
   const int edge = static_cast<int>(batch.m);
   const Float ticks = all(static_cast<float>(frame.stride[batch.level]));
   const PathRows path[2] = {lanes[0].fine(batch), lanes[1].fine(batch)};
@@ -32,13 +77,18 @@ HWY_INLINE void project_channel(const FrameView& frame, const StretchBatch& batc
   for (float step = 0; step < last; step += 1) {
     const Float i = all(step);
     for (int k = 0; k < 2; ++k) {
-      Float value = sample(fine, edge, path[k].at(i));
+      Float value = sample(fine, edge, path[k].at(i)), deviation = hn::Zero(kFloats);
+      if constexpr (kDeviates) deviation = extremes.fine_deviation(path[k].at(i));
       if (batch.blended) {
         const PathRows coarse_path = lanes[k].coarse(batch);
         const Float share = hn::MulAdd(i, coarse_path.eighth, coarse_path.fourth);
         const Float blend = hn::Min(hn::Max(share, hn::Zero(kFloats)), all(1));
         value = mix(value, sample(coarse, edge, coarse_path.at(i)), blend);
+        if constexpr (kDeviates) {
+          deviation = mix(deviation, extremes.coarse_deviation(coarse_path.at(i)), blend);
+        }
       }
+      if constexpr (kDeviates) value = extremes.of(value, deviation);
       Float taken;
       if constexpr (kMode == scene::Mode::mean) {
         taken = hn::Add(gathered[k], hn::Mul(ticks, value));
@@ -75,7 +125,11 @@ void project_mode(const FrameView& frame, StretchBatch& batch) {
     for (std::uint32_t c = 0; c < frame.visibility.channels; ++c) {
       const PlainTexels<Voxel> fine(batch.fine.brick + c * plane_bytes);
       const PlainTexels<Voxel> coarse(batch.blended ? batch.coarse.brick + c * plane_bytes : nullptr);
-      project_channel<kMode>(frame, batch, lanes, fine, coarse, first, gathered[c]);
+      if (scene::seeks_extreme(kMode) && (batch.fine.deviates || batch.blended)) {
+        project_channel<kMode, true>(frame, batch, c, lanes, fine, coarse, first, gathered[c]);
+      } else {
+        project_channel<kMode, false>(frame, batch, c, lanes, fine, coarse, first, gathered[c]);
+      }
     }
     for (int k = 0; k < 2; ++k) {
       lanes[k].store(batch, {gathered[0][k], gathered[1][k], gathered[2][k]}, gathered[3][k], samples[k]);

@@ -1,6 +1,12 @@
 /// \file
 /// Projections: the greatest, least or mean value along a ray, of one to four channels, through the transfer
 /// functions. Values gather in the ray's colour and opacity, channel by channel, until it ends.
+///
+/// From afar the greatest value of a coarse voxel is the mean, over the area that it covers, of the greatest
+/// values behind each place of it. Let two values be there, the least of all and one that lies `span` above
+/// it, and the latter fill a share f of the volume: its share of the area is f to the power of 2/3 where it
+/// is a point, f^(1/2) where it is a line seen across, and more where it is a sheet. The line's is taken: it
+/// is the quadratic mean, which mean and deviation give. Least values are the same upside down.
 #pragma once
 
 #include <cmath>
@@ -14,6 +20,22 @@ GVX_HD inline float& gathered(RayState& state, std::uint32_t channel) {
          : channel == 1 ? state.color.y
          : channel == 2 ? state.color.z
                         : state.opacity;
+}
+
+// So much more of the variance counts: of two voxels that share a line a ray meets only one. Measured on
+// lines of one to three voxels, from pixels of two voxels to pixels of ten.
+inline constexpr float kCoveredShare = 1.25f;
+
+/// The greatest or least value of what a sample stands for: no more than its node holds.
+GVX_HD inline float extreme_of(const FrameView& frame, std::uint32_t channel, ScalarSample sample,
+                               ValueRange range) {
+  if (!(sample.deviation > 0.0f)) return sample.value;
+  const FrameView::Extreme& extreme = frame.extreme[channel];
+  const float away = (sample.value - extreme.from) * extreme.per_span;
+  const float deviation = sample.deviation * extreme.per_span;
+  const float value =
+      extreme.from + extreme.span * std::sqrt(away * away + kCoveredShare * (deviation * deviation));
+  return std::fmax(std::fmin(value, range.maximum), range.minimum);
 }
 
 /// Takes in the same values `weight` times.
@@ -41,11 +63,16 @@ template <typename Voxel, int M>
 GVX_HD void project_stretch(const RayView& ray, const Stretch<Voxel, M>& s, RayState& state) {
   const FrameView& frame = ray.frame;
   const float ticks = static_cast<float>(s.stride);
+  const bool by_deviation = scene::seeks_extreme(frame.visibility.mode) && (s.fine_deviates || s.blended);
+  const auto value_of = [&](std::uint32_t c, float i, float blend) {
+    if (!by_deviation) return value_at(s, c, i, blend);
+    return extreme_of(frame, c, sample_at(s, c, i, blend), frame.visibility.widened(s.ranges.channel[c]));
+  };
   for (std::int64_t step = 0; step < s.steps; ++step) {
     const float i = static_cast<float>(step);
     const float blend = s.blend_at(frame, i);
     for (std::uint32_t c = 0; c < frame.visibility.channels; ++c) {
-      project(frame.visibility.mode, state, c, value_at(s, c, i, blend), ticks);
+      project(frame.visibility.mode, state, c, value_of(c, i, blend), ticks);
     }
     ++state.samples;
   }

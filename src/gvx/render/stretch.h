@@ -52,6 +52,7 @@ struct StretchSteps {
   double t_step = 0;
   bool blended = false;
   bool fine_deviates = false;        ///< the fine brick is not of the finest level
+  ChannelRanges ranges;              ///< of the node's values, where these are projected
   const FrameView* noisy = nullptr;  ///< the frame, where it adds noise
   Vec3d place, place_step;           ///< then: in tree space, the first step's centre and the way of a step
 };

@@ -45,6 +45,7 @@ struct StretchBatch {
   int level = 0;         ///< of the steps
   float units = 1;       ///< unit distances of the extinctions a step
   bool blended = false;  ///< the coarse brick is seen too
+  ChannelRanges ranges;  ///< of the node's values, where these are projected
   Path fine, coarse;
   /// Where in the world the centre of the first step is, and the way of a step: x, y, z and one of no
   /// concern, twice. Only where lights are near.

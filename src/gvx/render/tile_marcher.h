@@ -433,6 +433,7 @@ class TileMarcher {
   void gather(const Place& place, const StretchesWanted& wanted, int level) {
     const FrameView& frame = view_.frame;
     StretchBatch& batch = work_.batch;
+    if (projects_) batch.ranges = walk_.ranges_of(place);
     if (vectors_ == Vectors::none) return gather_ray_by_ray(place, wanted, level);
     gather_batch(vectors_, frame, batch);
     for (std::uint32_t i = 0; i < batch.opaque_count; ++i)
@@ -451,7 +452,8 @@ class TileMarcher {
     s.t_step = frame.tick_world * wanted.stride;
     s.fine.brick = bricks_.at(place.slot);
     s.fine.voxels_across = voxels_across(place.brick_level);
-    s.fine_deviates = place.brick_level < frame.max_level && place.brick_level == level;
+    s.fine_deviates = place.deviates(frame, level);
+    s.ranges = batch.ranges;
     s.blended = place.blended;
     if (s.blended) {
       s.coarse.brick = bricks_.at(place.parent_slot);

@@ -51,6 +51,10 @@ class Function {
   }
   HWY_INLINE Float to_entries(Float deviation) const { return hn::Mul(deviation, all(view_.to_entry_scale)); }
 
+  HWY_INLINE Float length(Float from, Float to) const {
+    return hn::Mul(hn::Abs(hn::Sub(to, from)), all(view_.length_per_entry));
+  }
+
   HWY_INLINE void read(Float entry, Reading& reading) const {
     const Float held = held_in_table(entry);
     const Float low = hn::Min(hn::Floor(held), all(static_cast<float>(view_.entries - 2)));

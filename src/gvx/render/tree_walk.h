@@ -48,6 +48,13 @@ struct Place {
   GVX_HD bool lacks() const { return lack != 0 || lacks_coarse; }
   /// Is it a preview's stand-in for a brick of `level`?
   GVX_HD bool coarser_than(int wanted) const { return kind == brick && brick_level < wanted && !finest; }
+  /// Does it count how far the voxels that the brick stands for deviate?
+  GVX_HD bool deviates(const FrameView& frame, int wanted) const {
+    if (brick_level >= frame.max_level) return false;
+    // Far coarser than wanted, deviations are of more than a step can tell apart: they would show fog. Of a
+    // greatest value they are all that is known.
+    return brick_level == wanted || (scene::seeks_extreme(frame.visibility.mode) && !finest);
+  }
   /// How many levels the brick is coarser than wanted.
   GVX_HD std::uint32_t lack_of(int wanted) const {
     return static_cast<std::uint32_t>(wanted - (ancestor_level >= 0 ? ancestor_level : 0));

@@ -21,6 +21,7 @@ struct View {
   std::uint32_t width = 1024, height = 1024;
   /// Rays along an axis of a pixel, 1 to 8: each a cone of its own share, so that levels are finer too.
   std::uint32_t antialias = 1;
+  static constexpr std::uint32_t kMostAntialias = 8;
   scene::Camera camera;
   scene::Mode mode = scene::Mode::composite;
   double isovalue = 0;  ///< physical; of isosurfaces

@@ -24,17 +24,23 @@ struct Piece {
   std::int64_t length() const { return last - first; }
 };
 
-/// The widest even interval, of those whose halves were asked for: doubled as long as it is, then bisected.
-/// Narrower ones are taken to be even, too.
+/// So narrow, in entries, intervals are taken to be even: their integrals' differences would be of few units.
+/// The more entries there are the greater is the unit.
+float narrow(std::size_t entries) {
+  return TransferView::kNarrow * std::max(1.0f, float(entries) / float(TransferView::kEntries));
+}
+
+/// The widest even interval, of those whose halves were asked for: doubled as long as it is, then bisected;
+/// or `narrow`. Narrower ones are taken to be even, too.
 template <typename IsEven>
-float widest(const IsEven& is_even) {
+float widest(const IsEven& is_even, float narrow) {
   std::int64_t even = 0, uneven = 1;  // halves
   while (is_even(uneven)) even = std::exchange(uneven, 2 * uneven);
   while (uneven - even > 1) {
     const std::int64_t half = even + (uneven - even) / 2;
     (is_even(half) ? even : uneven) = half;
   }
-  return even > 0 ? static_cast<float>(2 * even) : TransferView::kNarrow;
+  return even > 0 ? std::max(static_cast<float>(2 * even), narrow) : narrow;
 }
 
 /// A table's running integrals as plain numbers, also beyond its ends.
@@ -100,7 +106,7 @@ class RunningMatter {
     };
     return {static_cast<float>(piece.first),
             static_cast<float>(piece.last),
-            widest(serves),
+            widest(serves, narrow(sums_.size())),
             {{float(bend[0]), float(bend[1]), float(bend[2])}, float(bend[3])}};
   }
 
@@ -140,7 +146,8 @@ void find_even_means(const std::vector<double>& stops, TransferTable& table) {
   const auto all_of = [&](std::int64_t half) { return Piece{1 - 2 * half, entries + 2 * half}; };
   TransferView::Even& even = table.even;
   even.width =
-      widest([&](std::int64_t half) { return 2 * half < entries && matter.is_even(all_of(half), half, {}); });
+      widest([&](std::int64_t half) { return 2 * half < entries && matter.is_even(all_of(half), half, {}); },
+             narrow(table.integral.size()));
   for (std::int64_t half = 1; 2 * half < entries; half *= 2) {
     const std::int64_t middle = matter.last_uneven(all_of(half), half, {});
     if (middle > -half) even.above = std::max(even.above, static_cast<float>(middle - half + 1));

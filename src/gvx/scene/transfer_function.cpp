@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gvx/scene/even_means.h"
+#include "gvx/scene/transfer_limits.h"
 
 namespace gvx::scene {
 namespace {
@@ -112,12 +113,115 @@ void count_visible(TransferTable& table) {
   }
 }
 
+/// The physical values that a table is laid over.
+struct TableSpan {
+  double first, last;
+  int entries = TransferView::kEntries;
+
+  double width() const { return (last - first) / (entries - 1); }
+};
+
+/// The points of a curve that bend it: at either end all but the last of those that are alike say nothing.
+template <typename Point, typename Member>
+std::span<const Point> bends_of(const std::vector<Point>& points, Member member) {
+  std::span<const Point> bends(points);
+  while (bends.size() > 1 && bends[0].*member == bends[1].*member) bends = bends.subspan(1);
+  while (bends.size() > 1 && bends[bends.size() - 2].*member == bends.back().*member) {
+    bends = bends.first(bends.size() - 1);
+  }
+  return bends;
+}
+
+/// Beyond its ends the function goes on as it is there.
+TableSpan between_bends(const TransferFunction& function) {
+  const auto opacities = bends_of(function.opacities, &OpacityPoint::opacity);
+  const auto colors = bends_of(function.colors, &ColorPoint::color);
+  TableSpan span{opacities.front().value, opacities.back().value};
+  if (opacities.size() == 1 && opacities[0].opacity == 0) return span;
+  if (opacities.size() == 1) return {colors.front().value, colors.back().value};
+  // A colour says nothing where nothing is seen.
+  if (colors.size() == 1) return span;
+  if (opacities.front().opacity > 0) span.first = std::min(span.first, colors.front().value);
+  if (opacities.back().opacity > 0) span.last = std::max(span.last, colors.back().value);
+  return span;
+}
+
+/// Of `span` what is there of these values, or next to nothing around the nearest to it.
+TableSpan held_to(TableSpan span, ValueSpan values) {
+  if (!(values.minimum <= values.maximum)) return span;
+  span.first = std::clamp(span.first, values.minimum, values.maximum);
+  span.last = std::clamp(span.last, values.minimum, values.maximum);
+  return span;
+}
+
+/// How many entries a table needs to tell apart what a curve does. `most`: the greatest of what it is of.
+template <typename Point, typename Difference>
+double entries_wanted(const std::vector<Point>& points, TableSpan span, const Difference& difference) {
+  // From an entry to the next so much of the greatest, and points no closer than that.
+  constexpr double kLeastStep = 1.0 / 32, kLeastApart = 2;
+  double wanted = 0;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const double apart = points[i + 1].value - points[i].value;
+    if (!(apart > 0) || points[i + 1].value <= span.first || points[i].value >= span.last) continue;
+    const double steps = std::max(difference(points[i], points[i + 1]) / kLeastStep, kLeastApart);
+    wanted = std::max(wanted, steps * (span.last - span.first) / apart);
+  }
+  return wanted;
+}
+
+double entries_wanted(const TransferFunction& function, TableSpan span) {
+  double most = 0;
+  for (const OpacityPoint& point : function.opacities) most = std::max(most, point.opacity);
+  if (!(most > 0)) return 0;
+  return std::max(entries_wanted(function.opacities, span,
+                                 [&](const OpacityPoint& a, const OpacityPoint& b) {
+                                   return std::abs(b.opacity - a.opacity) / most;
+                                 }),
+                  entries_wanted(function.colors, span, [](const ColorPoint& a, const ColorPoint& b) {
+                    const Vec3d change = b.color - a.color;
+                    return std::max({std::abs(change.x), std::abs(change.y), std::abs(change.z)});
+                  }));
+}
+
+/// `outer`: as far as the function has points. `least_width`: that entries may have.
+TableSpan table_span(const TransferFunction& function, TableSpan outer, ValueSpan values,
+                     double least_width) {
+  TableSpan span = outer;
+  double wanted = entries_wanted(function, span);
+  if (wanted > TransferView::kMostEntries) {
+    span = held_to(between_bends(function), values);
+    wanted = entries_wanted(function, span);
+  }
+  while (span.entries < wanted && span.entries < TransferView::kMostEntries) span.entries *= 2;
+  // Of one value: its surroundings, so that a step there is one.
+  if (!(span.last > span.first)) {
+    const double around = 1e-6 * std::abs(span.first);
+    span = {span.first - around, span.first + around};
+  }
+  span.last = std::max(span.last, span.first + least_width * (span.entries - 1));
+  // A step at the lower end has something below it.
+  const auto is_step = [&](const auto& points) {
+    return points.size() > 1 && points[0].value == points[1].value && points[0].value == span.first;
+  };
+  if (values.minimum < span.first && (is_step(function.opacities) || is_step(function.colors))) {
+    span.first -= span.width();
+  }
+  return span;
+}
+
+/// From its first point to its last, as far as there are such values.
+TableSpan outer_span(const TransferFunction& function, ValueSpan values) {
+  return held_to({std::min(function.colors.front().value, function.opacities.front().value),
+                  std::max(function.colors.back().value, function.opacities.back().value)},
+                 values);
+}
+
 /// Where a function's slopes may change, in entries of a table.
-std::vector<double> stops_of(const TransferFunction& function, double first, double width) {
+std::vector<double> stops_of(const TransferFunction& function, const TableSpan& span) {
   std::vector<double> stops;
   const auto add = [&](double value) {
-    const double entry = (value - first) / width;  // of absurd values no number
-    if (entry >= 0 && entry <= TransferView::kEntries - 1) stops.push_back(entry);
+    const double entry = (value - span.first) / span.width();  // of absurd values no number
+    if (entry >= 0 && entry <= span.entries - 1) stops.push_back(entry);
   };
   for (const ColorPoint& point : function.colors) add(point.value);
   for (const OpacityPoint& point : function.opacities) add(point.value);
@@ -141,31 +245,36 @@ TransferView TransferTable::view() const {
   v.even = even;
   v.to_entry_scale = to_entry_scale;
   v.to_entry_offset = to_entry_offset;
+  v.length_per_entry = float(TransferView::kEntries) / static_cast<float>(matter.size());
   v.to_gradient_entry = to_gradient_entry;
   return v;
 }
 
-TransferTable bake(const TransferFunction& function, double scale, double offset, double most_extinction) {
-  constexpr int kEntries = TransferView::kEntries;
+TransferTable bake(const TransferFunction& function, double scale, double offset, double most_extinction,
+                   ValueSpan values) {
   constexpr int kParts =
       4;  // of the way between two entries, so that a step between them is integrated right
-  const double first = std::min(function.colors.front().value, function.opacities.front().value);
-  double last = std::max(function.colors.back().value, function.opacities.back().value);
-  if (!(last > first)) last = first + std::max(1.0, std::abs(first)) * 1e-6;
-  const double width = (last - first) / (kEntries - 1);
+  const TableSpan outer = outer_span(function, values);
+  // Floats hold no more than 10^34 entries a value.
+  const TableSpan span = table_span(function, outer, values, 1e-34 * std::abs(scale));
+  const int entries = span.entries;
+  const double first = span.first, width = span.width();
   TransferTable table;
   table.to_entry_scale = static_cast<float>(scale / width);
-  table.to_entry_offset = static_cast<float>((offset - first) / width);
+  // Right in the middle, whatever rounding did to the scale.
+  const double middle = (0.5 * (span.first + span.last) - offset) / scale;
+  table.to_entry_offset = static_cast<float>(0.5 * (entries - 1) - middle * double(table.to_entry_scale));
+  table.span = std::max(outer.last - outer.first, width) / std::abs(scale);
   double greatest = 0;
-  for (int i = 0; i < kEntries; ++i) {
+  for (int i = 0; i < entries; ++i) {
     table.matter.push_back(matter_at(function, first + i * width, most_extinction));
     greatest = std::max(greatest, static_cast<double>(table.matter.back().extinction));
   }
   count_visible(table);
   // The whole integral stays below 2^31, so that differences have a sign.
-  table.integral_unit = static_cast<float>(std::max(greatest, 1e-30) * kEntries / 0x1p31);
+  table.integral_unit = static_cast<float>(std::max(greatest, 1e-30) * entries / 0x1p31);
   std::array<double, 4> sum{};
-  for (int i = 0; i < kEntries; ++i) {
+  for (int i = 0; i < entries; ++i) {
     TransferView::Integral& integral = table.integral.emplace_back();
     for (std::size_t c = 0; c < 4; ++c) {
       integral.sum[c] = static_cast<std::uint32_t>(std::llround(sum[c] / double(table.integral_unit)));
@@ -182,9 +291,10 @@ TransferTable bake(const TransferFunction& function, double scale, double offset
       sum[c] += mean[c];
     }
   }
-  find_even_means(stops_of(function, first, width), table);
+  find_even_means(stops_of(function, span), table);
   if (!function.gradients.empty()) {
-    const double steepest = std::max(function.gradients.back().gradient, 1e-30);
+    const auto bends = bends_of(function.gradients, &GradientPoint::factor);
+    const double steepest = std::max(bends.back().gradient, 1e-30);
     for (int i = 0; i < TransferView::kGradientEntries; ++i) {
       const double gradient = steepest * i / (TransferView::kGradientEntries - 1);
       table.gradient_factor.push_back(static_cast<float>(function.gradient_factor(gradient)));
@@ -195,6 +305,24 @@ TransferTable bake(const TransferFunction& function, double scale, double offset
   return table;
 }
 
+std::optional<std::pair<double, double>> points_too_close(const TransferFunction& function,
+                                                          ValueSpan values) {
+  const TableSpan span = table_span(function, outer_span(function, values), values, 0);
+  double closest = 2 * span.width();
+  std::optional<std::pair<double, double>> found;
+  const auto look_at = [&](const auto& points) {
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      const double first = points[i].value, last = points[i + 1].value;
+      if (!(last > first) || !(last - first < closest) || last <= span.first || first >= span.last) continue;
+      closest = last - first;
+      found = {first, last};
+    }
+  };
+  look_at(function.opacities);
+  look_at(function.colors);
+  return found;
+}
+
 TransferTable bake_labels(const TransferFunction& function, double scale, double offset,
                           std::uint32_t labels) {
   TransferTable table;
@@ -202,6 +330,7 @@ TransferTable bake_labels(const TransferFunction& function, double scale, double
   for (std::uint32_t label = 0; label < std::max(labels, 2u); ++label) {
     table.matter.push_back(matter_at(function, scale * label + offset, kOpaqueLabel));
   }
+  table.span = static_cast<double>(table.matter.size());
   table.integral.resize(table.matter.size());
   count_visible(table);
   return table;
@@ -212,6 +341,7 @@ TransferTable bake_opacities() {
   table.to_entry_scale = 1;
   table.matter.assign(256, Matter{{}, 1});
   table.matter[0] = {};
+  table.span = static_cast<double>(table.matter.size());
   table.integral.resize(table.matter.size());
   count_visible(table);
   return table;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -114,12 +115,18 @@ struct TransferView {
   float first_visible = 0, last_visible = 0;        ///< up to the one and from the other on nothing is seen
   Even even;
   float to_entry_scale = 0, to_entry_offset = 0;
+  float length_per_entry = 1;   ///< see length()
   float to_gradient_entry = 0;  ///< from a gradient in stored values per world unit
 
-  static constexpr int kEntries = 4096;  ///< of a table of scalars; labels have one each
+  static constexpr int kEntries = 4096;       ///< of most tables of scalars; labels have one each
+  static constexpr int kMostEntries = 65536;  ///< of a table of scalars whose function is steep somewhere
   static constexpr int kGradientEntries = 256;
 
   GVX_HD float entry_of(float stored) const { return stored * to_entry_scale + to_entry_offset; }
+
+  /// How far it is from one entry to another, in 4096ths of the table: how often a way through the function
+  /// is cut does not depend on how fine the table is.
+  GVX_HD float length(float from, float to) const { return std::fabs(to - from) * length_per_entry; }
 
   /// Matter at one entry, linear between two.
   GVX_HD Matter at(float entry) const {
@@ -277,13 +284,27 @@ struct TransferTable {
   TransferView::Even even;
   float to_entry_scale = 0, to_entry_offset = 0;
   float to_gradient_entry = 0;
+  double span = 0;  ///< stored values that the function tells apart, of those that there are
 
   TransferView view() const;
 };
 
-/// Samples a function over the values between its outermost points, for stored values with physical = scale *
-/// stored + offset. Extinctions are held at `most_extinction`.
-TransferTable bake(const TransferFunction& function, double scale, double offset, double most_extinction);
+/// The values that a function may be asked for, physical.
+struct ValueSpan {
+  double minimum = -std::numeric_limits<double>::infinity();
+  double maximum = std::numeric_limits<double>::infinity();
+
+  bool operator==(const ValueSpan&) const = default;
+};
+
+/// Samples a function over the values between its outermost points, as far as there are such values, for
+/// stored values with physical = scale * stored + offset. Extinctions are held at `most_extinction`.
+///
+/// A table has TransferView::kEntries; where the function is so steep that from one entry to the next it
+/// would change by more than a 32nd of its greatest, up to kMostEntries. Where that is too few, too, it is
+/// laid over what is between the first and the last bend alone.
+TransferTable bake(const TransferFunction& function, double scale, double offset, double most_extinction,
+                   ValueSpan values = {});
 
 /// One entry for each of the stored labels 0 to `labels` - 1.
 TransferTable bake_labels(const TransferFunction& function, double scale, double offset,

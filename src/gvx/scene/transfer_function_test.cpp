@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "gvx/scene/transfer_limits.h"
+
 namespace gvx::scene {
 namespace {
 
@@ -143,13 +145,13 @@ TEST(TransferTable, wide_intervals_of_a_smooth_piece_are_looked_up_half_way_too)
   check(opaque, 1000, 0);
 }
 
-TEST(TransferTable, a_spike_is_even_nowhere_and_a_constant_everywhere) {
+TEST(TransferTable, a_spike_is_even_nowhere_near_and_a_constant_everywhere) {
   const TransferFunction spike = {{{0, {1, 1, 1}}}, {{0, 0}, {50, 0}, {50.02, 0.9}, {50.04, 0}, {100, 0}}, 0};
   const TransferTable uneven = bake(spike, 1, 0, 16);
-  EXPECT_EQ(uneven.even.width, TransferView::kNarrow);
+  // So narrow a spike has the table for itself.
+  EXPECT_LT(uneven.even.width, uneven.view().length(0, uneven.view().entry_of(50.04f)) / 256);
   EXPECT_GT(uneven.even.above, uneven.view().entry_of(50));
   EXPECT_LT(uneven.even.above, uneven.view().entry_of(51));
-  EXPECT_EQ(uneven.even.piece.width, TransferView::kNarrow);
   EXPECT_GE(uneven.first_visible, uneven.view().entry_of(49.9f));
   EXPECT_LE(uneven.last_visible, uneven.view().entry_of(50.1f));
   const TransferTable constant = bake({{{0, {1, 1, 1}}}, {{0, 0.5}, {100, 0.5}}, 0}, 1, 0, 16);
@@ -171,6 +173,119 @@ TEST(TransferTable, small_means_survive_large_ones_below_them) {
     const Matter m = view.mean(view.entry_of(v), view.entry_of(v + 3));
     EXPECT_NEAR(m.extinction, 1e-4, 5e-6) << v;
   }
+}
+
+/// The largest differences of what two tables say of stored values: of matter, and of means over steps.
+double difference(const TransferTable& a, const TransferTable& b, double first, double last, double step) {
+  const TransferView view[2] = {a.view(), b.view()};
+  double most = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const auto from = static_cast<float>(first + (last - first) * i / 2000);
+    const auto to = static_cast<float>(double(from) + step);
+    Matter at[2], mean[2];
+    for (int k = 0; k < 2; ++k) {
+      at[k] = view[k].at(view[k].entry_of(from));
+      mean[k] = view[k].mean(view[k].entry_of(from), view[k].entry_of(to));
+    }
+    most = std::max({most, std::abs(double(at[0].extinction) - double(at[1].extinction)),
+                     std::abs(double(mean[0].extinction) - double(mean[1].extinction)),
+                     std::abs(double(mean[0].color.x) - double(mean[1].color.x)),
+                     std::abs(double(mean[0].color.z) - double(mean[1].color.z))});
+  }
+  return most;
+}
+
+TEST(TransferTable, points_far_beyond_the_values_change_nothing) {
+  const std::vector<ColorPoint> colors = {{0, {0, 0, 1}}, {2, {1, 0, 0}}};
+  const TransferFunction unit = {colors, {{0, 0}, {0.5, 0}, {0.6, 0.9}, {2, 0.9}}, 0};
+  const TransferFunction far_last = {colors, {{0, 0}, {0.5, 0}, {0.6, 0.9}, {1e9, 0.9}}, 0};
+  const TransferFunction far_first = {colors, {{-1e12, 0}, {0.5, 0}, {0.6, 0.9}, {2, 0.9}}, 0};
+  const TransferFunction far_both = {colors, {{-1e30, 0}, {0.5, 0}, {0.6, 0.9}, {1e30, 0.9}}, 0};
+  TransferFunction far_colors = unit;
+  far_colors.colors = {{-1e9, {0, 0, 1}}, {0, {0, 0, 1}}, {2, {1, 0, 0}}, {1e9, {1, 0, 0}}};
+  for (const double scale : {1.0, 1e-3, -0.25}) {
+    const double first = scale > 0 ? 0 : 2 / scale, last = scale > 0 ? 2 / scale : 0;
+    const TransferTable near = bake(unit, scale, 0, 16, {0, 2});
+    for (const TransferFunction& far : {far_last, far_first, far_both, far_colors}) {
+      const TransferTable table = bake(far, scale, 0, 16, {0, 2});
+      EXPECT_EQ(table.matter.size(), near.matter.size());
+      EXPECT_NEAR(table.span, near.span, 1e-9 * near.span);
+      EXPECT_LT(difference(near, table, first, last, 0.01 / scale), 1e-6) << scale;
+      // Whatever the values are, the table is where the function bends.
+      EXPECT_LT(difference(near, bake(far, scale, 0, 16), first, last, 0.01 / scale), 2e-2) << scale;
+    }
+  }
+}
+
+TEST(TransferTable, a_narrow_window_in_a_wide_range_has_entries) {
+  const TransferFunction window = {
+      {{0, {0, 0, 0}}, {65535, {1, 1, 1}}}, {{0, 0}, {1000, 0}, {1100, 0.9}, {60000, 0.9}, {65535, 0.2}}, 0};
+  const TransferTable table = bake(window, 1, 0, 16, {0, 65535});
+  EXPECT_GT(table.matter.size(), std::size_t(TransferView::kEntries));
+  const TransferView view = table.view();
+  EXPECT_NEAR(view.length(view.entry_of(0), view.entry_of(65535)), TransferView::kEntries, 2);
+  for (float v = 990; v < 1110; v += 0.25f) {
+    const double exact = -std::log1p(-window.opacity(double(v)));
+    EXPECT_NEAR(view.at(view.entry_of(v)).extinction, exact, 0.01) << v;
+    EXPECT_NEAR(view.mean(view.entry_of(v - 0.2f), view.entry_of(v + 0.2f)).extinction, exact, 0.1) << v;
+  }
+  EXPECT_EQ(bake(tent(), 1, 0, 16).matter.size(), std::size_t(TransferView::kEntries));
+}
+
+TEST(TransferTable, points_that_it_cannot_tell_apart_are_named) {
+  const std::vector<ColorPoint> colors = {{0, {1, 1, 1}}};
+  const TransferFunction both = {colors, {{0, 0}, {1, 0.5}, {1 + 1e-3, 0}, {5e8, 0.1}, {1e9, 0}}, 0};
+  const auto close = points_too_close(both, {0, 1e9});
+  ASSERT_TRUE(close);
+  EXPECT_EQ(*close, std::pair(1.0, 1 + 1e-3));
+  EXPECT_FALSE(points_too_close(both, {0, 2}));
+  EXPECT_FALSE(points_too_close(tent(), {}));
+  // Of what is the same beyond some value only that value counts.
+  EXPECT_FALSE(points_too_close({colors, {{0, 0}, {1, 0.5}, {1 + 1e-3, 0}, {1e9, 0}}, 0}, {0, 1e9}));
+}
+
+TEST(TransferTable, below_a_step_at_the_first_point_is_what_the_first_point_says) {
+  for (const double step : {5.0, 0.0, -1e6}) {
+    for (const std::vector<OpacityPoint>& opacities :
+         {std::vector<OpacityPoint>{{step, 0}, {step, 0.9}},
+          std::vector<OpacityPoint>{{step, 0}, {step, 0.9}, {step + 5, 0.5}}}) {
+      for (const ValueSpan values : {ValueSpan{}, ValueSpan{step - 100, step + 100}}) {
+        const TransferTable table = bake({{{step, {1, 1, 1}}}, opacities, 0}, 1, 0, 16, values);
+        const TransferView view = table.view();
+        EXPECT_EQ(view.at(view.entry_of(static_cast<float>(step - 3))).extinction, 0.0f) << step;
+        EXPECT_GT(view.at(view.entry_of(static_cast<float>(step + 3))).extinction, 0.5f) << step;
+        EXPECT_TRUE(view.transparent({static_cast<float>(step - 50), static_cast<float>(step - 3)}));
+      }
+    }
+  }
+}
+
+TEST(TransferTable, values_of_any_size_have_entries) {
+  for (const double size : {1e-43, 1e-36, 1e-30, 1e-10, 1.0, 1e10, 1e30}) {
+    const TransferFunction ramp = {{{0, {0, 0, 0}}, {2 * size, {1, 1, 1}}}, {{0, 0.5}}, 0};
+    const TransferTable table = bake(ramp, 1, 0, 16, {0, 2 * size});
+    const TransferView view = table.view();
+    for (const double part : {0.0, 0.5, 1.0, 1.7, 2.0}) {
+      const Matter m = view.at(view.entry_of(static_cast<float>(part * size)));
+      ASSERT_TRUE(std::isfinite(m.color.x)) << size;
+      if (size >= 1e-30) {
+        EXPECT_NEAR(m.color.x / m.extinction, part / 2, 1e-3) << size;
+      }
+    }
+  }
+  // One point, and values that are one.
+  for (const double value : {-3e30, -1e-30, 0.0, 7.0}) {
+    const TransferTable table = bake({{{value, {1, 0.5, 0}}}, {{value, 0.5}}, 0}, 1, 0, 16, {value, value});
+    EXPECT_NEAR(table.view().at(table.view().entry_of(static_cast<float>(value))).extinction, std::log(2.0),
+                1e-6);
+  }
+}
+
+TEST(TransferTable, gradients_far_beyond_the_last_bend_change_nothing) {
+  TransferFunction near = tent(), far = tent();
+  near.gradients = {{0, 0}, {10, 1}};
+  far.gradients = {{0, 0}, {10, 1}, {1e9, 1}};
+  EXPECT_EQ(bake(near, 1, 0, 16).gradient_factor, bake(far, 1, 0, 16).gradient_factor);
 }
 
 TEST(TransferTable, transparency_is_conservative) {
@@ -237,8 +352,23 @@ TEST(Presets, all_are_sound_whatever_the_statistics) {
   for (const char* name : preset_names()) {
     for (const ValueStatistics& s :
          {ValueStatistics{0, 255, {}}, ValueStatistics{-1024, 3000, {5, 4, 3, 2, 1}},
-          ValueStatistics{7, 7, {0, 0}}}) {
+          ValueStatistics{7, 7, {0, 0}}, ValueStatistics{0, 2e-10, {9, 1}}, ValueStatistics{0, 1e-44, {}},
+          ValueStatistics{1e6, 1e6 + 0.1, {9, 1}}, ValueStatistics{-3e38, 3e38, {1, 2}}}) {
       EXPECT_TRUE(check(preset(name, s).value()).ok()) << name;
+    }
+  }
+  // What fits itself to the values does so whatever their size.
+  for (const char* name : {"mr", "microscopy", "gray", "solid", "inside", "cloud", "ramp"}) {
+    const ValueStatistics unit{0, 1, {40, 30, 20, 9, 1, 0, 0, 2}};
+    const TransferFunction one = preset(name, unit).value();
+    for (const double size : {1e-30, 1e-10, 1e10, 1e30}) {
+      ValueStatistics sized = unit;
+      sized.maximum *= size;
+      const TransferFunction f = preset(name, sized).value();
+      for (double v = 0.05; v < 1; v += 0.1) {
+        EXPECT_NEAR(f.opacity(v * size), one.opacity(v), 1e-9) << name << ' ' << size;
+        EXPECT_NEAR(f.color(v * size).x, one.color(v).x, 1e-9) << name << ' ' << size;
+      }
     }
   }
   EXPECT_FALSE(preset("rainbow", {}).ok());

@@ -11,6 +11,9 @@ namespace {
 constexpr std::array<const char*, 10> kNames = {"ct-bone", "ct-skin", "ct-tissue", "mr",    "microscopy",
                                                 "gray",    "solid",   "inside",    "cloud", "ramp"};
 
+/// Within so much of the values' span a function rises where next to all of them are one.
+constexpr double kLeastRise = 1e-3;
+
 /// The physical value below which `share` of the voxels lie.
 double percentile(const ValueStatistics& s, double share) {
   const double all =
@@ -24,6 +27,13 @@ double percentile(const ValueStatistics& s, double share) {
     }
   }
   return s.maximum;
+}
+
+/// Of the values; where there is but one, something that is small beside it.
+double width_of(const ValueStatistics& s) {
+  const double width = s.maximum - s.minimum;
+  if (width > 0) return width;
+  return s.minimum != 0 ? 1e-3 * std::abs(s.minimum) : 1;
 }
 
 TransferFunction ct_bone() {
@@ -53,7 +63,7 @@ TransferFunction ct_tissue() {
 
 /// A ramp from the dark half of the voxels to the brightest thousandth.
 TransferFunction gray(const ValueStatistics& s) {
-  const double width = std::max(s.maximum - s.minimum, 1e-30);
+  const double width = width_of(s);
   const double floor = s.histogram.empty() ? s.minimum + 0.15 * width : percentile(s, 0.6);
   const double top = s.histogram.empty() ? s.maximum : percentile(s, 0.999);
   const double low = std::min(floor, s.minimum + 0.5 * width), high = std::max(top, low + 0.05 * width);
@@ -93,7 +103,8 @@ double otsu_threshold(const ValueStatistics& s) {
 /// A head from outside: what is brighter than air.
 TransferFunction mr(const ValueStatistics& s) {
   const double air = s.minimum, tissue = otsu_threshold(s);
-  const double top = std::max(s.histogram.empty() ? s.maximum : percentile(s, 0.998), tissue + 1e-9);
+  const double top =
+      std::max(s.histogram.empty() ? s.maximum : percentile(s, 0.998), tissue + kLeastRise * width_of(s));
   const auto at = [&](double share) { return air + share * (tissue - air); };
   return {{{at(0.4), {0.55, 0.36, 0.30}},
            {at(1), {0.80, 0.62, 0.52}},
@@ -108,7 +119,7 @@ TransferFunction microscopy(const ValueStatistics& s) {
   constexpr std::array<Vec3d, 4> kHues = {Vec3d(0.25, 1, 0.35), Vec3d(1, 0.2, 0.9), Vec3d(0.25, 0.75, 1),
                                           Vec3d(1, 0.85, 0.2)};
   const Vec3d hue = s.channels > 1 ? kHues[s.channel % 4] : Vec3d(0.55, 1, 0.75);
-  const double width = std::max(s.maximum - s.minimum, 1e-30);
+  const double width = width_of(s);
   const double low = s.histogram.empty() ? s.minimum + 0.2 * width : percentile(s, 0.85);
   const double high = std::max(s.histogram.empty() ? s.maximum : percentile(s, 0.9995), low + 0.02 * width);
   return {{{low, 0.35 * hue}, {0.5 * (low + high), 0.8 * hue}, {high, 0.4 * hue + Vec3d(0.6)}},
@@ -120,21 +131,19 @@ TransferFunction microscopy(const ValueStatistics& s) {
 TransferFunction ramp(const ValueStatistics& s) {
   const double low = s.histogram.empty() ? s.minimum : percentile(s, 0.005);
   const double high = s.histogram.empty() ? s.maximum : percentile(s, 0.9998);
-  return {{{low, {0, 0, 0}}, {std::max(high, low + 1e-9 * std::max(1.0, std::abs(low))), {1, 1, 1}}},
-          {{low, 1}},
-          0};
+  return {{{low, {0, 0, 0}}, {std::max(high, low + kLeastRise * width_of(s)), {1, 1, 1}}}, {{low, 1}}, 0};
 }
 
 /// What is above the middle of the values, as a surface.
 TransferFunction solid(const ValueStatistics& s) {
-  const double width = std::max(s.maximum - s.minimum, 1e-30);
+  const double width = width_of(s);
   const auto at = [&](double share) { return s.minimum + share * width; };
   return {{{at(0), {0.80, 0.72, 0.60}}, {at(1), {0.95, 0.90, 0.82}}}, {{at(0.3), 0}, {at(0.6), 0.9}}, 0};
 }
 
 /// What is below the middle of the values: of distances to a surface, what it encloses.
 TransferFunction inside(const ValueStatistics& s) {
-  const double width = std::max(s.maximum - s.minimum, 1e-30), middle = 0.5 * (s.minimum + s.maximum);
+  const double width = width_of(s), middle = 0.5 * (s.minimum + s.maximum);
   return {{{s.minimum, {0.95, 0.90, 0.82}}, {s.maximum, {0.80, 0.72, 0.60}}},
           {{middle - 0.01 * width, 0.9}, {middle + 0.01 * width, 0}},
           0};
@@ -142,7 +151,7 @@ TransferFunction inside(const ValueStatistics& s) {
 
 /// White haze, the denser the more opaque.
 TransferFunction cloud(const ValueStatistics& s) {
-  const double width = std::max(s.maximum - s.minimum, 1e-30);
+  const double width = width_of(s);
   return {{{s.minimum, {0.93, 0.95, 1}}, {s.maximum, {1, 1, 1}}},
           {{s.minimum, 0}, {s.minimum + width, 0.035}},
           0};

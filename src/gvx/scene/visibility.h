@@ -18,6 +18,11 @@ enum class Mode : std::uint32_t {
   isosurface,  ///< the first surface where the value is the isovalue
 };
 
+/// Does it show the greatest or the least of the values along a ray?
+GVX_HD constexpr bool seeks_extreme(Mode mode) {
+  return mode == Mode::maximum || mode == Mode::minimum;
+}
+
 /// How values along a ray become matter, where it is composited.
 enum class Classification : std::uint32_t {
   preintegrated,  ///< a step is the mean matter of all values that it goes through: thin layers are not

@@ -46,16 +46,31 @@ class ValueHistogram {
     for (std::size_t i = 0; i < fine_.size(); ++i) fine_[i] += other.fine_[i];
   }
 
-  /// The counts in equal bins over the range.
+  /// The counts in equal bins over the range. Floats are counted by their first 16 bits: where those tell
+  /// fewer values apart than there are bins, they are taken to lie evenly between.
   std::vector<std::uint64_t> bins(ValueRange range, std::size_t count) const {
     std::vector<std::uint64_t> bins(count);
     const double least = range.minimum, width = range.maximum - least;
     for (std::size_t i = 0; i < fine_.size(); ++i) {
       if (fine_[i] == 0) continue;
-      const double where = width > 0 ? (fine_bin_value(i) - least) / width : 0;
-      const double bin =
-          std::clamp(std::floor(where * static_cast<double>(count)), 0.0, static_cast<double>(count - 1));
-      bins[static_cast<std::size_t>(bin)] += fine_[i];
+      const auto bin_of = [&](double value) {
+        const double where = width > 0 ? (value - least) / width : 0;
+        return std::clamp(where * static_cast<double>(count), 0.0, static_cast<double>(count));
+      };
+      const double first = bin_of(fine_bin_value(i));
+      double last = first;
+      if (std::is_same_v<Voxel, float> && i + 1 < fine_.size()) last = bin_of(fine_bin_value(i + 1));
+      if (!(last - first > 1)) last = first;
+      std::uint64_t put = 0;
+      for (auto bin = static_cast<std::size_t>(std::min(first, static_cast<double>(count - 1)));
+           put < fine_[i]; ++bin) {
+        const double share = last > first ? (static_cast<double>(bin + 1) - first) / (last - first) : 1;
+        const auto up_to = share < 1 && bin + 1 < count
+                               ? static_cast<std::uint64_t>(share * static_cast<double>(fine_[i]))
+                               : fine_[i];
+        bins[bin] += up_to - put;
+        put = up_to;
+      }
     }
     return bins;
   }
