@@ -182,7 +182,7 @@ Status interpret_data_place(const Header& header, VolumeFile& file) {
   const std::string& name = *header.find({"ElementDataFile"});
   const std::string small = lower_case(name);
   if (small == "local") {
-    file.data_path = path;
+    file.data_paths = {path};
     file.start.file_offset = static_cast<std::int64_t>(header.bytes());
   } else if (name.empty() || small == "list" || small.starts_with("list ") ||
              name.find('%') != std::string::npos) {
@@ -190,7 +190,7 @@ Status interpret_data_place(const Header& header, VolumeFile& file) {
         path, "ElementDataFile: expected LOCAL or one file; lists and patterns are not supported, found " +
                   quoted(name));
   } else {
-    file.data_path = beside(path, name);
+    file.data_paths = {beside(path, name)};
   }
   const std::string* skipped = header.find({"HeaderSize"});
   if (skipped == nullptr) return {};
@@ -216,6 +216,7 @@ Result<VolumeFile> parse_metaimage(const std::string& path) {
   GVX_ASSIGN(const Header header, Header::split(path, text));
   VolumeFile file;
   file.description.path = path;
+  file.header_path = path;
   GVX_ASSIGN(const std::size_t axes, interpret_size(header, file.description));
   GVX_TRY(interpret_place(header, axes, file.description));
   GVX_TRY(interpret_values(header, file));

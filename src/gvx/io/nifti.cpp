@@ -211,7 +211,7 @@ Result<VolumeFile> parse_nifti(const std::string& path) {
   file.description.path = path;
   file.description.big_endian = header.big_endian;
   file.header_path = files.header_path;
-  file.data_path = single ? files.header_path : files.data_path;
+  file.data_paths = {single ? files.header_path : files.data_path};
   if (pair && files.header_path == files.data_path) {
     return file_error(path, "magic: expected n+1 for a header and its samples in one file, found ni1");
   }
@@ -227,7 +227,7 @@ Result<VolumeFile> parse_nifti(const std::string& path) {
     GVX_TRY(interpret_values(header, file.description));
   }
   GVX_ASSIGN(file.byte_skip, data_offset(path, header, single));
-  GVX_ASSIGN(file.encoding, detect_gzip(file.data_path));
+  GVX_ASSIGN(file.encoding, detect_gzip(file.data_paths.front()));
   return file;
 }
 

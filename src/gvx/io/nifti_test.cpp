@@ -93,6 +93,9 @@ TEST(Nifti, PairsByEitherName) {
     EXPECT_EQ(samples.value(), data) << name;
     EXPECT_EQ(describe(temporary_path(name)).value().voxel_to_world, scaling({1, 2, 3})) << name;
   }
+  const std::vector<std::string> packed_files = {temporary_path("packed.hdr"),
+                                                 temporary_path("packed.img.gz")};
+  EXPECT_EQ(volume_files(temporary_path("packed.hdr"), {}), packed_files);
   write_file(temporary_path("lonely.img"), data);
   EXPECT_NE(outcome(load(temporary_path("lonely.img"))).find("lonely.hdr: cannot open"), std::string::npos);
 }

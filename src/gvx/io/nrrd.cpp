@@ -111,10 +111,10 @@ Status interpret_data_place(const std::string& path, const Header& header, Volum
       return file_error(
           path, "data file: expected one file; lists and patterns are not supported, found " + quoted(name));
     }
-    file.data_path = beside(path, name);
+    file.data_paths = {beside(path, name)};
   } else {
     if (!header.has_empty_line) return file_error(path, "header: expected an empty line before the data");
-    file.data_path = path;
+    file.data_paths = {path};
     file.start.file_offset = static_cast<std::int64_t>(header.bytes);
   }
   GVX_ASSIGN(file.start.line_skip, skip_count(path, header.fields, "line skip", 0));
@@ -133,6 +133,7 @@ Result<VolumeFile> parse_nrrd(const std::string& path) {
   GVX_ASSIGN(const Header header, split_header(path, text));
   VolumeFile file;
   file.description.path = path;
+  file.header_path = path;
   GVX_ASSIGN(const std::string encoding, required(path, header.fields, "encoding"));
   GVX_ASSIGN(file.encoding, parse_encoding(path, encoding));
   GVX_TRY(interpret_type(path, header.fields, file));

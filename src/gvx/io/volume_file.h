@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "gvx/core/affine.h"
 #include "gvx/core/result.h"
@@ -41,11 +42,13 @@ inline constexpr std::int64_t kSamplesAtEnd = -1;
 /// A volume and where its samples are.
 struct VolumeFile {
   VolumeDescription description;
-  std::string header_path = {};  ///< Where the header is, if not in description.path.
-  std::string data_path;         ///< "-" is standard input.
+  std::string header_path;  ///< Of the file that was parsed; empty for raw samples, which have no header.
+  /// Files that hold equal shares of the samples, one after the other, each laid out as drawn above. "-" is
+  /// standard input.
+  std::vector<std::string> data_paths;
   Encoding encoding = Encoding::raw;
   StreamStart start;
-  std::int64_t byte_skip = 0;  ///< Decoded bytes before the first sample, or kSamplesAtEnd.
+  std::int64_t byte_skip = 0;  ///< Decoded bytes before the first sample of a file, or kSamplesAtEnd.
   bool exact_size = false;  ///< Bytes behind the last sample are an error where the file's size shows them.
 };
 
