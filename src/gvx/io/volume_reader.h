@@ -43,6 +43,7 @@ class SliceReader {
 
   /// Goes back to slice 0; an error for pipes.
   virtual Status rewind() = 0;
+  virtual bool can_rewind() const = 0;
 
   /// To be called after the last slice: the files that hold more than the volume, and more than a line end.
   /// No more than the first MiB of a pipe or packed file is counted.
@@ -60,6 +61,7 @@ class VolumeReader final : public SliceReader {
   Status read_slices(std::int64_t count, std::span<std::byte> out) override;
   std::int64_t next_slice() const override { return next_slice_; }
   Status rewind() override;
+  bool can_rewind() const override { return stream_->can_rewind(); }
   std::vector<Surplus> surplus() override;
 
  private:
