@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -261,8 +262,95 @@ TEST(Modes, thin_bright_things_are_as_bright_from_afar) {
         EXPECT_GE(lit, 0.93 * lit_right) << what;
         std::printf("%-12s mean %.4f of %.4f, lit %.3f, %.1f dB, of many rays %.1f dB\n", what.c_str(),
                     mean_of(seen), mean_of(right), lit / lit_right, psnr(seen, right), psnr(fine, right));
+/// Pictures of two scenes are alike, but within `least` to `most` along both axes, as shares of the picture.
+void expect_alike_but_within(const TestScene& a, const TestScene& b, double least, double most,
+                             const std::string& what) {
+  // The same steps in both, not those of vectors.
+  const engine::EngineOptions one_ray{512u << 20, {}, true};
+  const render::Picture p = render_exact(a, exec::Device::cpu(), one_ray),
+                        q = render_exact(b, exec::Device::cpu(), one_ray);
+  const auto within = [&](std::size_t at, std::uint32_t size) {
+    const double share = (double(at) + 0.5) / size;
+    return share > least && share < most;
+  };
+  float outside = 0, inside = 0;
+  for (std::size_t i = 0; i < p.rgba.size(); ++i) {
+    ASSERT_TRUE(std::isfinite(p.rgba[i]) && std::isfinite(q.rgba[i])) << what;
+    const std::size_t pixel = i / 4, x = pixel % a.view.width, y = pixel / a.view.width;
+    float& greatest = within(x, a.view.width) && within(y, a.view.height) ? inside : outside;
+    greatest = std::max(greatest, std::abs(p.rgba[i] - q.rgba[i]));
+  }
+  EXPECT_LT(outside, 1e-5f) << what;
+  EXPECT_EQ(inside > 1e-3f, most > least) << what << ": " << inside;
+}
+
+TEST(Modes, no_data_is_transparent_and_takes_no_part) {
+  const auto in_block = [](Vec3d p) {
+    const auto middle = [](double x) { return x > 0.4 && x < 0.6; };
+    return middle(p.x) && middle(p.y) && middle(p.z);
+  };
+  const auto field = [](Vec3d p) { return -10 + 5 * waves(p); };
+  TestScene whole = analytic_scene("whole", field, {50, 50, 50}, {1, 1, 1}, 2, 8);
+  TestScene gap = analytic_scene(
+      "gap", [&](Vec3d p) { return in_block(p) ? NAN : field(p); }, {50, 50, 50}, {1, 1, 1}, 2, 8);
+  for (TestScene* scene : {&whole, &gap}) {
+    scene->view.width = scene->view.height = 100;
+    scene->view.camera = {{25, 25, -100}, {25, 25, 25}, {0, 1, 0}, 30, 50};
+    scene->view.functions[0] = {{{-10, {0.1, 0.2, 0.9}}, {-5, {1, 1, 0.9}}}, {{-9, 0.02}, {-5, 0.4}}, 0};
+    scene->view.isovalue = -7;
+  }
+  for (const bool level_of_detail : {false, true}) {
+    for (const scene::Mode mode : {scene::Mode::composite, scene::Mode::maximum, scene::Mode::minimum,
+                                   scene::Mode::mean, scene::Mode::isosurface}) {
+      for (const scene::Classification how :
+           {scene::Classification::preintegrated, scene::Classification::post}) {
+        if (mode != scene::Mode::composite && how == scene::Classification::post) continue;
+        for (TestScene* scene : {&whole, &gap}) {
+          scene->view.level_of_detail = level_of_detail;
+          scene->view.mode = mode;
+          scene->view.classification = how;
+        }
+        const std::string what = "mode " + std::to_string(int(mode)) + ", " + std::to_string(int(how));
+        expect_alike_but_within(whole, gap, 0.3, 0.7, what);
+        EXPECT_EQ(render_exact(gap).rgba,
+                  render_exact(gap, exec::Device::cpu(1), {0, engine::PoolSizes{150, 12}}).rgba)
+            << what;
       }
     }
+  }
+}
+
+TEST(Modes, projections_are_of_what_exists) {
+  // Of a volume of one value every projection is that value, wherever there is some of it: no ray misses the
+  // shell around the gap.
+  const auto gap = [](Vec3d p) {
+    const Vec3d from_middle = p - Vec3d(0.5);
+    return std::max({std::abs(from_middle.x), std::abs(from_middle.y), std::abs(from_middle.z)}) < 0.35;
+  };
+  const auto some = [&](Vec3d p) { return gap(p) ? NAN : 0.5; };
+  TestScene whole = analytic_scene(
+      "of_one", [](Vec3d) { return 0.5; }, {48, 48, 48}, {1, 1, 1}, 2, 8);
+  TestScene parts = analytic_scene("of_one_with_gap", some, {48, 48, 48}, {1, 1, 1}, 2, 8);
+  const VoxelFormat two{VoxelType::f32, VoxelContent::scalar, 2};
+  const Field one = [](Vec3d) { return 0.25; };
+  TestScene whole_two = planar_scene("two_of_one", two, {one, one}, {48, 48, 48}, 2, 8);
+  TestScene parts_two = planar_scene("two_of_one_with_gap", two,
+                                     {one, [&](Vec3d p) { return gap(p) ? NAN : 0.25; }}, {48, 48, 48}, 2, 8);
+  for (const scene::Mode mode : {scene::Mode::maximum, scene::Mode::minimum, scene::Mode::mean}) {
+    for (TestScene* scene : {&whole, &parts, &whole_two, &parts_two}) {
+      scene->view.functions[0].opacities = {{0, 0.1}, {1, 0.9}};
+      scene->view.mode = mode;
+    }
+    expect_alike_but_within(whole, parts, 1, 0, "mode " + std::to_string(int(mode)));
+    expect_alike_but_within(whole_two, parts_two, 1, 0, "two channels, mode " + std::to_string(int(mode)));
+  }
+  TestScene none = analytic_scene(
+      "of_none", [](Vec3d) { return NAN; }, {20, 20, 20}, {1, 1, 1}, 2, 8);
+  none.view.opaque_background = false;
+  for (const scene::Mode mode : {scene::Mode::composite, scene::Mode::maximum, scene::Mode::mean}) {
+    none.view.mode = mode;
+    none.view.functions[0].opacities = {{0, 0.5}};
+    for (const float number : render_exact(none).rgba) ASSERT_EQ(number, 0) << int(mode);
   }
 }
 

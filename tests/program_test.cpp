@@ -78,6 +78,26 @@ TEST_F(Program, renders_a_foreign_file_as_its_store) {
   EXPECT_EQ(shell("cmp '" + path("a.png") + "' '" + path("b.png") + "'").status, 0);
 }
 
+TEST_F(Program, says_what_a_volume_lost) {
+  std::ofstream nan(path("nan_4x4x4_float.raw"), std::ios::binary),
+      wide(path("wide_4x4x4_double.raw"), std::ios::binary);
+  for (int i = 0; i < 64; ++i) {
+    const float with_gap = i == 21 ? NAN : static_cast<float>(-5 - i % 6);
+    const double far = 1e9 + 0.5 * (i % 3);
+    nan.write(reinterpret_cast<const char*>(&with_gap), sizeof(with_gap));
+    wide.write(reinterpret_cast<const char*>(&far), sizeof(far));
+  }
+  nan.close(), wide.close();
+  const std::string warning = "nan_4x4x4_float.raw: 1 voxels have no value (NaN): shown as transparent";
+  EXPECT_NE(gvx("build nan_4x4x4_float.raw -o nan.gvx").output.find(warning), std::string::npos);
+  EXPECT_NE(gvx("render nan_4x4x4_float.raw -o nan.png --size 8x8").output.find(warning), std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(gvx("info nan.gvx --json").output)["value_range"],
+            (std::vector<double>{-10, -5}));
+  EXPECT_EQ(gvx("verify nan.gvx").status, 0);
+  EXPECT_EQ(gvx("build wide_4x4x4_double.raw -o wide.gvx").output.find("rounded"), std::string::npos);
+  EXPECT_NE(gvx("info wide.gvx").output.find("1000000000 to 1000000001\n"), std::string::npos);
+}
+
 TEST_F(Program, renders_the_sponge_and_writes_exr) {
   ASSERT_EQ(gvx("render sponge -o s.exr --size 64x48").status, 0);
   std::ifstream file(path("s.exr"), std::ios::binary);

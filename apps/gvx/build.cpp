@@ -121,7 +121,7 @@ Command add_build(CLI::App& program) {
   CLI::App* command = program.add_subcommand("build", "Build a .gvx store from a volume or mesh file");
   command
       ->add_option("input", options->inputs,
-                   "RAW, NRRD, NIfTI-1 or MetaImage file, or a mesh (PLY, OBJ, STL, glTF); - reads raw "
+                   "RAW, NRRD, NIfTI or MetaImage file, or a mesh (PLY, OBJ, STL, glTF); - reads raw "
                    "samples from a pipe; several files of one "
                    "shape become the channels of one volume")
       ->required()

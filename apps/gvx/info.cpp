@@ -1,10 +1,12 @@
 // gvx info PATH: what is in a store or a volume file.
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "gvx/io/header_text.h"
 #include "gvx/io/mesh.h"
 #include "gvx/io/volume_reader.h"
 #include "gvx/produce/mesh_spool.h"
@@ -48,8 +50,9 @@ Result<nlohmann::json> describe_store(const std::string& path) {
   j["type"] = voxel_name(info.format.type);
   j["content"] = content_name(info.format.content);
   j["planes"] = info.format.planes;
-  j["value_range"] = {info.scale * info.ranges.channel[0].minimum + info.offset,
-                      info.scale * info.ranges.channel[0].maximum + info.offset};
+  const double ends[2] = {info.scale * info.ranges.channel[0].minimum + info.offset,
+                          info.scale * info.ranges.channel[0].maximum + info.offset};
+  j["value_range"] = {std::min(ends[0], ends[1]), std::max(ends[0], ends[1])};
   j["scale"] = info.scale;
   j["offset"] = info.offset;
   j["n"] = info.shape.n;
@@ -102,9 +105,14 @@ Result<nlohmann::json> describe_mesh(const std::string& path) {
                         {"maximum", list(summary.bounds.maximum)}};
 }
 
+/// A whole number without a point, whatever its type.
+std::string number(const nlohmann::json& j) {
+  return j.is_number_float() ? io::number_text(j.get<double>()) : j.dump();
+}
+
 std::string joined(const nlohmann::json& list, const char* separator) {
   std::string text;
-  for (const auto& v : list) text += (text.empty() ? "" : separator) + v.dump();
+  for (const auto& v : list) text += (text.empty() ? "" : separator) + number(v);
   return text;
 }
 
@@ -135,7 +143,7 @@ void print(const std::string& path, const nlohmann::json& j) {
       joined(j["spacing"], ", ") + (j["anatomical"] ? " mm, patient space (x right, y front, z up)" : ""));
   if (j.contains("value_range")) row("values", joined(j["value_range"], " to "));
   if (j["scale"] != 1.0 || j["offset"] != 0.0) {
-    row("physical", j["scale"].dump() + " * stored + " + j["offset"].dump());
+    row("physical", number(j["scale"]) + " * stored + " + number(j["offset"]));
   }
   if (j.contains("levels")) {
     row("tree", j["levels"].dump() + " levels of N = " + j["n"].dump() + ", bricks of " + j["brick"].dump() +

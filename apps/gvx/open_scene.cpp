@@ -217,7 +217,8 @@ Result<Scene> open_scene(const Devices& devices, const std::string& name, const 
 void RawFlags::add_to(CLI::App& command) {
   const char* group = "Raw input";
   command.add_option("--dims", dims_, "Voxels along X,Y,Z of a raw file")->group(group);
-  command.add_option("--dtype", dtype_, "Type of its samples: u8 i8 u16 i16 u32 i32 f32 f64")->group(group);
+  command.add_option("--dtype", dtype_, "Type of its samples: u8 i8 u16 i16 u32 i32 u64 i64 f32 f64")
+      ->group(group);
   command.add_option("--endian", endian_, "Byte order of its samples: little or big")->group(group);
   command.add_option("--components", components_, "Samples of a voxel of a raw file")
       ->check(CLI::Range(1, 4))

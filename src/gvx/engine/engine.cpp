@@ -210,7 +210,8 @@ render::Pass Engine::pass(const render::Frame& frame) {
   pass.number = stamp_;
   pass.lone_ray = lone_ray_;
   pass.cells = residency_.cell_masks();
-  pass.one_ray_at_a_time = one_ray_at_a_time_;
+  // The vectors know no samples without data.
+  pass.one_ray_at_a_time = one_ray_at_a_time_ || producer_->description().no_data;
   pass.epoch = film_->epoch();
   pass.blank_tiles = film_->blank_tiles();
   return pass;

@@ -62,7 +62,14 @@ void Residency::set_visibility(const scene::Visibility& visibility, bool another
 }
 
 bool Residency::is_transparent(const ChannelRanges& ranges) const {
-  return visibility_ && visibility_->hides(ranges);
+  if (!visibility_) return false;
+  bool any_values = false;
+  for (std::uint32_t c = 0; c < visibility_->channels; ++c) {
+    any_values = any_values || ranges.channel[c].minimum <= ranges.channel[c].maximum;
+  }
+  // What has no data is not seen, but of a mean it must be known how much of its ray that is.
+  if (!any_values && visibility_->mode != scene::Mode::mean) return true;
+  return visibility_->hides(ranges);
 }
 
 NodeKey Residency::key_of(NodeIndex node) const {

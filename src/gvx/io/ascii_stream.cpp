@@ -1,8 +1,12 @@
 #include "gvx/io/ascii_stream.h"
 
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <limits>
+#include <optional>
+#include <system_error>
 #include <type_traits>
 
 #include "gvx/io/header_text.h"
@@ -17,11 +21,29 @@ bool separates(std::byte b) {
   return c == ' ' || c == ',' || (c >= '\t' && c <= '\r');
 }
 
+/// Integers that a double does not hold to the last digit.
 template <typename T>
-bool store_sample(double value, std::byte* out) {
+inline constexpr bool kIsLong = std::is_integral_v<T> && sizeof(T) > sizeof(std::int32_t);
+
+template <typename T>
+bool store_sample(const std::string& token, std::byte* out) {
+  if constexpr (kIsLong<T>) {
+    T sample{};
+    const char* const end = token.data() + token.size();
+    if (const auto read = std::from_chars(token.data(), end, sample);
+        read.ec == std::errc{} && read.ptr == end) {
+      std::memcpy(out, &sample, sizeof sample);
+      return true;
+    }
+  }
+  const std::optional<double> number = parse_number(token);
+  if (!number) return false;
+  const double value = *number;
   if constexpr (std::is_integral_v<T>) {
-    const bool fits =
-        value >= double{std::numeric_limits<T>::min()} && value <= double{std::numeric_limits<T>::max()};
+    // The greatest of 64 bits is no double, and the next one is too large.
+    const auto most = static_cast<double>(std::numeric_limits<T>::max());
+    const bool fits = value >= static_cast<double>(std::numeric_limits<T>::min()) &&
+                      (kIsLong<T> ? value < most : value <= most);
     if (!fits || value != std::floor(value)) return false;
   } else if (std::isfinite(value) && std::abs(value) > double{std::numeric_limits<T>::max()}) {
     return false;
@@ -41,10 +63,8 @@ class AsciiStream final : public ByteStream {
     for (std::size_t done = 0; done < out.size(); done += step) {
       GVX_ASSIGN(const bool found, next_token());
       if (!found) return done;
-      const std::optional<double> value = parse_number(token_);
-      const bool stored = value && with_sample_type(type_, [&](auto sample) {
-                            return store_sample<decltype(sample)>(*value, out.data() + done);
-                          });
+      const bool stored = with_sample_type(
+          type_, [&](auto sample) { return store_sample<decltype(sample)>(token_, out.data() + done); });
       if (!stored) {
         return file_error(name(), std::string("expected a number of type ") + sample_name(type_) +
                                       ", found " + quoted(token_));

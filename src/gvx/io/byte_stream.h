@@ -45,6 +45,7 @@ class ByteStream {
 
   /// Goes back to the first byte; an error for pipes.
   Status rewind();
+  bool can_rewind() const { return source_.seekable(); }
 
   /// Bytes of the file, as it is on disk, that have been passed so far.
   std::uint64_t bytes_consumed() const { return source_.position(); }

@@ -69,4 +69,9 @@ std::vector<Surplus> ChannelMerger::surplus() {
   return all;
 }
 
+bool ChannelMerger::can_rewind() const {
+  return std::all_of(channels_.begin(), channels_.end(),
+                     [](const auto& channel) { return channel->can_rewind(); });
+}
+
 }  // namespace gvx::io

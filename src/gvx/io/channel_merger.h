@@ -20,6 +20,7 @@ class ChannelMerger final : public SliceReader {
   Status read_slices(std::int64_t count, std::span<std::byte> out) override;
   std::int64_t next_slice() const override { return channels_.front()->next_slice(); }
   Status rewind() override;
+  bool can_rewind() const override;
   std::vector<Surplus> surplus() override;
 
  private:

@@ -1,6 +1,8 @@
 #include "gvx/io/header_text.h"
 
+#include <array>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <span>
 
@@ -63,6 +65,15 @@ std::optional<std::int64_t> parse_integer(std::string_view text) {
 
 std::optional<double> parse_number(std::string_view text) {
   return parse_whole<double>(text);
+}
+
+std::string number_text(double number) {
+  std::array<char, 32> text;
+  const double size = std::abs(number);
+  const bool plain = number == 0 || (size >= 1e-5 && size < 1e17);
+  const auto written = std::to_chars(text.data(), text.data() + text.size(), number,
+                                     plain ? std::chars_format::fixed : std::chars_format::scientific);
+  return std::string(text.data(), written.ptr);
 }
 
 std::optional<std::vector<double>> parse_numbers(std::string_view text) {

@@ -39,6 +39,9 @@ std::optional<std::int64_t> parse_integer(std::string_view text);
 /// The whole text as a number, "nan" and "inf" included; nothing where it is not one.
 std::optional<double> parse_number(std::string_view text);
 
+/// As few digits as tell the number from all others: "1000000000", "0.1", "1e-12", "nan".
+std::string number_text(double number);
+
 /// Every word as a number; nothing where one is not.
 std::optional<std::vector<double>> parse_numbers(std::string_view text);
 

@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -30,13 +31,28 @@ class Header {
         return file_error(path, "header: expected each field once, found two of " + quoted(name));
       }
       header.bytes_ = text.size() - rest.size();
-      if (name == "elementdatafile") return header;
+      if (name != "elementdatafile") continue;
+      if (header.lists_files()) {
+        if (text.size() == kMaximumHeaderBytes) {
+          return file_error(path, "ElementDataFile: expected a list that ends within the first MiB");
+        }
+        header.data_file_lines_ = rest;
+      }
+      return header;
     }
     return file_error(path,
                       "ElementDataFile: expected this field in the header, which is at most 1 MiB long");
   }
 
   std::size_t bytes() const { return bytes_; }
+
+  /// Is ElementDataFile "LIST", perhaps with how many axes are in each of the files?
+  bool lists_files() const {
+    const std::vector<std::string_view> parts = words(fields_.at("elementdatafile"));
+    return !parts.empty() && lower_case(parts[0]) == "list" && parts.size() <= 2;
+  }
+  /// The lines behind it.
+  const std::string& data_file_lines() const { return data_file_lines_; }
 
   /// The first of the names that is there.
   const std::string* find(std::initializer_list<const char*> names) const {
@@ -75,6 +91,7 @@ class Header {
 
   std::string path_;
   std::map<std::string, std::string> fields_;
+  std::string data_file_lines_;
   std::size_t bytes_ = 0;
 };
 
@@ -82,13 +99,15 @@ Result<SampleType> parse_element_type(const std::string& path, const std::string
   const std::string name = lower_case(text);
   if (name == "met_long") return SampleType::i32;  // MetaIO's long has four bytes on every machine
   if (name == "met_ulong") return SampleType::u32;
+  if (name == "met_long_long") return SampleType::i64;
+  if (name == "met_ulong_long") return SampleType::u64;
   if (name.starts_with("met_")) {
     if (const auto type = parse_sample_type(std::string_view(name).substr(4))) return *type;
   }
   return file_error(
       path,
-      "ElementType: expected MET_CHAR, MET_UCHAR, MET_SHORT, MET_USHORT, MET_INT, MET_UINT, MET_FLOAT or "
-      "MET_DOUBLE, found " +
+      "ElementType: expected MET_CHAR, MET_UCHAR, MET_SHORT, MET_USHORT, MET_INT, MET_UINT, MET_LONG_LONG, "
+      "MET_ULONG_LONG, MET_FLOAT or MET_DOUBLE, found " +
           quoted(text));
 }
 
@@ -177,20 +196,57 @@ Status interpret_values(const Header& header, VolumeFile& file) {
   return {};
 }
 
+/// Data files of which each has some of the axes: "LIST [AXES]" and lines of names, or "PATTERN [FIRST [LAST
+/// [STEP]]]", a file for each place along the last axis.
+Status interpret_data_files(const Header& header, VolumeFile& file) {
+  const std::string& text = *header.find({"ElementDataFile"});
+  const std::vector<std::string_view> parts = words(text);
+  std::vector<std::int64_t> sizes, numbers;
+  for (const std::string_view size : words(*header.find({"DimSize"}))) sizes.push_back(*parse_integer(size));
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    std::string_view part = parts[i];
+    if (part.ends_with('D') || part.ends_with('d')) part.remove_suffix(1);  // "LIST 2D"
+    const auto number = parse_integer(part);
+    if (!number) {
+      return file_error(file.header_path,
+                        "ElementDataFile: expected numbers behind the first word of " + quoted(text));
+    }
+    numbers.push_back(*number);
+  }
+  std::int64_t axes_in_file = static_cast<std::int64_t>(sizes.size()) - 1;
+  std::optional<std::vector<std::string>> names;
+  if (header.lists_files()) {
+    if (!numbers.empty()) axes_in_file = numbers[0];
+    names = listed_names(header.data_file_lines());
+  } else if (numbers.size() <= 3) {
+    const std::int64_t first = numbers.empty() ? 1 : numbers[0];
+    std::int64_t last = 0;
+    if (__builtin_add_overflow(first, sizes.back() - 1, &last))
+      last = std::numeric_limits<std::int64_t>::max();
+    names = names_of_pattern(parts[0], first, numbers.size() > 1 ? numbers[1] : last,
+                             numbers.size() > 2 ? numbers[2] : 1);
+  }
+  if (!names) {
+    return file_error(file.header_path,
+                      "ElementDataFile: expected a pattern such as 'slice%03d.raw 1 100 1' of at most " +
+                          std::to_string(kMostDataFiles) + " files, found " + quoted(text));
+  }
+  return set_data_files(file, "ElementDataFile", *names, sizes, axes_in_file);
+}
+
 Status interpret_data_place(const Header& header, VolumeFile& file) {
   const std::string& path = file.description.path;
   const std::string& name = *header.find({"ElementDataFile"});
   const std::string small = lower_case(name);
   if (small == "local") {
-    file.data_path = path;
+    file.data_paths = {path};
     file.start.file_offset = static_cast<std::int64_t>(header.bytes());
-  } else if (name.empty() || small == "list" || small.starts_with("list ") ||
-             name.find('%') != std::string::npos) {
-    return file_error(
-        path, "ElementDataFile: expected LOCAL or one file; lists and patterns are not supported, found " +
-                  quoted(name));
+  } else if (name.empty()) {
+    return file_error(path, "ElementDataFile: expected LOCAL, LIST or a name");
+  } else if (header.lists_files() || is_file_pattern(name)) {
+    GVX_TRY(interpret_data_files(header, file));
   } else {
-    file.data_path = beside(path, name);
+    file.data_paths = {beside(path, name)};
   }
   const std::string* skipped = header.find({"HeaderSize"});
   if (skipped == nullptr) return {};
@@ -216,6 +272,7 @@ Result<VolumeFile> parse_metaimage(const std::string& path) {
   GVX_ASSIGN(const Header header, Header::split(path, text));
   VolumeFile file;
   file.description.path = path;
+  file.header_path = path;
   GVX_ASSIGN(const std::size_t axes, interpret_size(header, file.description));
   GVX_TRY(interpret_place(header, axes, file.description));
   GVX_TRY(interpret_values(header, file));

@@ -9,9 +9,10 @@
 
 namespace gvx::io {
 
-/// Reads the header of a .mha or .mhd file. One scalar volume in one file: more channels, lists of files and
-/// patterns are errors. World is RAS+ (from LPS, as ITK understands it) when the file states an orientation
-/// or an offset; otherwise only the spacing is used and the corner of voxel (0, 0, 0) is the world's origin.
+/// Reads the header of a .mha or .mhd file. One volume of one to four channels, in one file or in several
+/// that are listed or follow a pattern. World is RAS+ (from LPS, as ITK understands it) when the file states
+/// an orientation or an offset; otherwise only the spacing is used and the corner of voxel (0, 0, 0) is the
+/// world's origin.
 Result<VolumeFile> parse_metaimage(const std::string& path);
 
 }  // namespace gvx::io

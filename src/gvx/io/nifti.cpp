@@ -1,5 +1,7 @@
 #include "gvx/io/nifti.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -11,8 +13,6 @@
 
 namespace gvx::io {
 namespace {
-
-constexpr std::int64_t kSingleFileDataOffset = 352;
 
 /// The files of a volume: one twice for a single file.
 struct FilePair {
@@ -71,38 +71,40 @@ Result<SampleType> parse_datatype(const std::string& path, int code) {
       return SampleType::u16;
     case 768:
       return SampleType::u32;
+    case 1024:
+      return SampleType::i64;
+    case 1280:
+      return SampleType::u64;
     default:
       break;
   }
   const char* meaning = code == 32 || code == 1792 || code == 2048 ? " (complex numbers)"
-                        : code == 1024 || code == 1280 || code == 1536
-                            ? " (more than 64 bits, or 64-bit integers)"
-                            : "";
+                        : code == 1536                             ? " (numbers of 128 bits)"
+                                                                   : "";
   return file_error(path, std::string("datatype: expected ") + kSampleTypeNames + ", found code " +
                               std::to_string(code) + meaning);
 }
 
 Status interpret_dimensions(const NiftiHeader& header, VolumeDescription& description) {
   const std::string& path = description.path;
-  const int count = header.dim(0);
+  const std::int64_t count = header.dim[0];
   if (count < 2 || count > 7)
     return file_error(path, "dim[0]: expected 2 to 7, found " + std::to_string(count));
+  if (header.dim[1] < 1)
+    return file_error(path, "dim[1]: expected 1 or more, found " + std::to_string(header.dim[1]));
   description.dimensions = {1, 1, 1};
-  std::int64_t volumes = 1;
-  for (int i = 1; i <= count; ++i) {
-    const int length = header.dim(i);
-    if (length < 1) {
-      return file_error(
-          path, "dim[" + std::to_string(i) + "]: expected 1 or more, found " + std::to_string(length));
-    }
+  double volumes = 1;
+  for (std::size_t i = 1; i <= static_cast<std::size_t>(count); ++i) {
+    // As nifti1_io.c takes them: files in the wild have 0 for axes that they do not use.
+    const std::int64_t length = std::max<std::int64_t>(header.dim[i], 1);
     if (i <= 3) {
-      description.dimensions[i - 1] = length;
+      description.dimensions[static_cast<int>(i) - 1] = length;
     } else {
-      volumes *= length;  // four lengths of 15 bits
+      volumes *= static_cast<double>(length);
     }
   }
   if (volumes == 1) return {};
-  return file_error(path, "dim: expected one volume, found " + std::to_string(volumes) + " volumes");
+  return file_error(path, "dim: expected one volume, found " + number_text(volumes) + " volumes");
 }
 
 double millimetres_per_unit(int xyzt_units) {
@@ -124,22 +126,20 @@ bool usable(const Affine3& a) {
 
 /// Method 3 of nifti1.h.
 std::optional<Affine3> sform(const NiftiHeader& header) {
-  if (header.short_at(254) <= 0) return std::nullopt;
+  if (header.sform_code <= 0) return std::nullopt;
   Affine3 a;
   for (int row = 0; row < 3; ++row) {
-    const std::size_t at = 280 + 16 * static_cast<std::size_t>(row);
-    for (int axis = 0; axis < 3; ++axis) {
-      a.column[axis][row] = header.float_at(at + 4 * static_cast<std::size_t>(axis));
-    }
-    a.origin[row] = header.float_at(at + 12);
+    const std::array<double, 4>& numbers = header.srow[static_cast<std::size_t>(row)];
+    for (int axis = 0; axis < 3; ++axis) a.column[axis][row] = numbers[static_cast<std::size_t>(axis)];
+    a.origin[row] = numbers[3];
   }
   return usable(a) ? std::optional(a) : std::nullopt;
 }
 
 /// Method 2 of nifti1.h: a rotation by the quaternion (a, b, c, d), with pixdim as lengths.
 std::optional<Affine3> qform(const NiftiHeader& header, Vec3d spacing) {
-  if (header.short_at(252) <= 0) return std::nullopt;
-  double b = header.float_at(256), c = header.float_at(260), d = header.float_at(264);
+  if (header.qform_code <= 0) return std::nullopt;
+  auto [b, c, d] = header.quatern;
   double a = 0;
   const double squares = b * b + c * c + d * d;
   if (squares > 1) {
@@ -149,23 +149,23 @@ std::optional<Affine3> qform(const NiftiHeader& header, Vec3d spacing) {
   } else {
     a = std::sqrt(1 - squares);
   }
-  const double handedness = header.pixdim(0) < 0 ? -1 : 1;
+  const double handedness = header.pixdim[0] < 0 ? -1 : 1;
   Affine3 m;
   m.column[0] = spacing.x * Vec3d(a * a + b * b - c * c - d * d, 2 * (b * c + a * d), 2 * (b * d - a * c));
   m.column[1] = spacing.y * Vec3d(2 * (b * c - a * d), a * a + c * c - b * b - d * d, 2 * (c * d + a * b));
   m.column[2] =
       handedness * spacing.z * Vec3d(2 * (b * d + a * c), 2 * (c * d - a * b), a * a + d * d - b * b - c * c);
-  m.origin = {header.float_at(268), header.float_at(272), header.float_at(276)};
+  m.origin = {header.qoffset[0], header.qoffset[1], header.qoffset[2]};
   return usable(m) ? std::optional(m) : std::nullopt;
 }
 
 void interpret_place(const NiftiHeader& header, bool analyze, VolumeDescription& description) {
   Vec3d spacing(1.0);
   for (int axis = 0; axis < 3; ++axis) {
-    const double stated = std::abs(header.pixdim(axis + 1));
+    const double stated = std::abs(header.pixdim[static_cast<std::size_t>(axis) + 1]);
     if (std::isfinite(stated) && stated > 0) spacing[axis] = stated;
   }
-  const double unit = analyze ? 1 : millimetres_per_unit(std::to_integer<int>(header.bytes[123]));
+  const double unit = analyze ? 1 : millimetres_per_unit(header.xyzt_units);
   std::optional<Affine3> index_to_world;
   if (!analyze) {
     index_to_world = sform(header);
@@ -177,7 +177,7 @@ void interpret_place(const NiftiHeader& header, bool analyze, VolumeDescription&
 }
 
 Status interpret_values(const NiftiHeader& header, VolumeDescription& description) {
-  const double slope = header.float_at(112), intercept = header.float_at(116);
+  const double slope = header.scl_slope, intercept = header.scl_inter;
   if (slope == 0 || !std::isfinite(slope)) return {};  // as the format says: no scaling
   if (!std::isfinite(intercept)) return file_error(description.path, "scl_inter: expected a finite number");
   description.scale = slope;
@@ -185,13 +185,12 @@ Status interpret_values(const NiftiHeader& header, VolumeDescription& descriptio
   return {};
 }
 
-Result<std::int64_t> data_offset(const std::string& path, const NiftiHeader& header, bool single) {
-  const double stated = header.float_at(108);
-  const double minimum = single ? double{kSingleFileDataOffset} : 0;
-  if (single && stated == 0) return kSingleFileDataOffset;
-  if (!(stated >= minimum && stated <= 1e15) || stated != std::floor(stated)) {
-    return file_error(
-        path, "vox_offset: expected a whole number of bytes from " + std::to_string(single ? 352 : 0));
+Result<std::int64_t> data_offset(const std::string& path, const NiftiHeader& header) {
+  const double stated = header.vox_offset;
+  const int least = header.kind == NiftiHeader::Kind::single ? header.least_vox_offset() : 0;
+  if (stated == 0) return least;
+  if (!(stated >= least && stated <= 1e15) || stated != std::floor(stated)) {
+    return file_error(path, "vox_offset: expected a whole number of bytes from " + std::to_string(least));
   }
   return static_cast<std::int64_t>(stated);
 }
@@ -201,9 +200,8 @@ Result<std::int64_t> data_offset(const std::string& path, const NiftiHeader& hea
 Result<VolumeFile> parse_nifti(const std::string& path) {
   const FilePair files = find_files(path);
   GVX_ASSIGN(const NiftiHeader header, read_nifti_header(files.header_path));
-  const bool single = header.has_magic("n+1");
-  const bool pair = header.has_magic("ni1");
-  const bool analyze = !single && !pair;
+  const bool single = header.kind == NiftiHeader::Kind::single;
+  const bool analyze = header.kind == NiftiHeader::Kind::analyze;
   if (analyze && files.header_path == files.data_path) {
     return file_error(path, "magic: expected n+1 or ni1");
   }
@@ -211,14 +209,15 @@ Result<VolumeFile> parse_nifti(const std::string& path) {
   file.description.path = path;
   file.description.big_endian = header.big_endian;
   file.header_path = files.header_path;
-  file.data_path = single ? files.header_path : files.data_path;
-  if (pair && files.header_path == files.data_path) {
-    return file_error(path, "magic: expected n+1 for a header and its samples in one file, found ni1");
+  file.data_paths = {single ? files.header_path : files.data_path};
+  if (!single && files.header_path == files.data_path) {
+    const std::string version = std::to_string(header.version);
+    return file_error(path, "magic: expected n+" + version +
+                                " for a header and its samples in one file, found ni" + version);
   }
   GVX_TRY(interpret_dimensions(header, file.description));
-  const int datatype = header.short_at(70);
-  GVX_ASSIGN(file.description.type, parse_datatype(path, datatype));
-  if (const int components = color_components(datatype); components > 0) {
+  GVX_ASSIGN(file.description.type, parse_datatype(path, header.datatype));
+  if (const int components = color_components(header.datatype); components > 0) {
     file.description.components = components;
     file.description.colors = true;
   }
@@ -226,8 +225,8 @@ Result<VolumeFile> parse_nifti(const std::string& path) {
   if (!analyze) {
     GVX_TRY(interpret_values(header, file.description));
   }
-  GVX_ASSIGN(file.byte_skip, data_offset(path, header, single));
-  GVX_ASSIGN(file.encoding, detect_gzip(file.data_path));
+  GVX_ASSIGN(file.byte_skip, data_offset(path, header));
+  GVX_ASSIGN(file.encoding, detect_gzip(file.data_paths.front()));
   return file;
 }
 

@@ -1,6 +1,6 @@
 /// \file
-/// NIfTI-1 headers (nifti1.h of the NIfTI data format working group), single files and pairs, and the
-/// Analyze 7.5 headers that they grew out of.
+/// NIfTI-1 and NIfTI-2 headers (nifti1.h and nifti2.h of the NIfTI data format working group), single files
+/// and pairs, and the Analyze 7.5 headers that they grew out of.
 #pragma once
 
 #include <string>
@@ -11,9 +11,9 @@
 namespace gvx::io {
 
 /// Reads the header of .nii, .hdr or the .hdr beside an .img, plain or gzip (told by their first bytes). One
-/// scalar volume; more volumes, colours, complex numbers and NIfTI-2 are errors. World is RAS+ millimetres by
-/// the sform, else by the qform; where there is neither, the corner of voxel (0, 0, 0) is the world's origin
-/// and pixdim the spacing.
+/// volume of scalars or colours; more volumes and complex numbers are errors. Counts in dim below 1 are taken
+/// for 1, but for the first axis. World is RAS+ millimetres by the sform, else by the qform; where there is
+/// neither, the corner of voxel (0, 0, 0) is the world's origin and pixdim the spacing.
 Result<VolumeFile> parse_nifti(const std::string& path);
 
 }  // namespace gvx::io

@@ -1,12 +1,9 @@
 /// \file
-/// The 348 bytes of a NIfTI-1 or Analyze 7.5 header, and the numbers in them in either byte order.
+/// The headers of NIfTI-1, NIfTI-2 and Analyze 7.5: their numbers, whatever the layout and byte order.
 #pragma once
 
 #include <array>
-#include <bit>
-#include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <string>
 
 #include "gvx/core/result.h"
@@ -14,33 +11,33 @@
 
 namespace gvx::io {
 
-inline constexpr std::size_t kNiftiHeaderBytes = 348;
+/// The fields that gvx asks for, named as in nifti1.h.
+struct NiftiHeader {
+  /// Which files there are: a header with its samples behind it, or a header and its samples in two files.
+  enum class Kind { single, pair, analyze };
 
-/// The header's bytes; numbers are named by their byte offsets in nifti1.h.
-class NiftiHeader {
- public:
-  std::array<std::byte, kNiftiHeaderBytes> bytes{};
+  int version = 1;  ///< 2 for NIfTI-2, whose counts have 64 bits and whose numbers are doubles
+  Kind kind = Kind::analyze;
   bool big_endian = false;
+  std::array<std::int64_t, 8> dim{};
+  std::array<double, 8> pixdim{};
+  int datatype = 0;
+  double vox_offset = 0;
+  double scl_slope = 0, scl_inter = 0;
+  int qform_code = 0, sform_code = 0;
+  std::array<double, 3> quatern{};  ///< b, c, d
+  std::array<double, 3> qoffset{};
+  std::array<std::array<double, 4>, 3> srow{};
+  int xyzt_units = 0;
 
-  template <typename T>
-  T get(std::size_t offset) const {
-    std::array<std::byte, sizeof(T)> ordered;
-    const bool swap = big_endian != (std::endian::native == std::endian::big);
-    for (std::size_t i = 0; i < sizeof(T); ++i) ordered[i] = bytes[offset + (swap ? sizeof(T) - 1 - i : i)];
-    return std::bit_cast<T>(ordered);
-  }
-  int short_at(std::size_t offset) const { return get<std::int16_t>(offset); }
-  double float_at(std::size_t offset) const { return double{get<float>(offset)}; }
-
-  int dim(int i) const { return short_at(40 + 2 * static_cast<std::size_t>(i)); }
-  double pixdim(int i) const { return float_at(76 + 4 * static_cast<std::size_t>(i)); }
-  bool has_magic(const char* magic) const { return std::memcmp(bytes.data() + 344, magic, 4) == 0; }
+  /// Where the samples of a single file begin at the earliest.
+  int least_vox_offset() const { return version == 2 ? 544 : 352; }
 };
 
 /// Encoding::gzip where the file begins like one, else Encoding::raw.
 Result<Encoding> detect_gzip(const std::string& path);
 
-/// Reads the header, plain or gzip, and finds its byte order; NIfTI-2 and other files are errors.
+/// Reads the header, plain or gzip, and finds its byte order; other files are errors.
 Result<NiftiHeader> read_nifti_header(const std::string& path);
 
 }  // namespace gvx::io

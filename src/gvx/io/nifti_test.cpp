@@ -14,8 +14,9 @@ namespace {
 constexpr int kGzip = 15 + 16;
 
 const std::map<SampleType, std::int16_t> kDatatypes = {
-    {SampleType::u8, 2},    {SampleType::i8, 256}, {SampleType::u16, 512}, {SampleType::i16, 4},
-    {SampleType::u32, 768}, {SampleType::i32, 8},  {SampleType::f32, 16},  {SampleType::f64, 64}};
+    {SampleType::u8, 2},    {SampleType::i8, 256}, {SampleType::u16, 512},  {SampleType::i16, 4},
+    {SampleType::u32, 768}, {SampleType::i32, 8},  {SampleType::u64, 1280}, {SampleType::i64, 1024},
+    {SampleType::f32, 16},  {SampleType::f64, 64}};
 
 /// A header that tests change by byte offset.
 struct Header {
@@ -93,6 +94,9 @@ TEST(Nifti, PairsByEitherName) {
     EXPECT_EQ(samples.value(), data) << name;
     EXPECT_EQ(describe(temporary_path(name)).value().voxel_to_world, scaling({1, 2, 3})) << name;
   }
+  const std::vector<std::string> packed_files = {temporary_path("packed.hdr"),
+                                                 temporary_path("packed.img.gz")};
+  EXPECT_EQ(volume_files(temporary_path("packed.hdr"), {}), packed_files);
   write_file(temporary_path("lonely.img"), data);
   EXPECT_NE(outcome(load(temporary_path("lonely.img"))).find("lonely.hdr: cannot open"), std::string::npos);
 }
@@ -158,15 +162,16 @@ TEST(Nifti, ErrorsNameTheField) {
   };
   const Header good(SampleType::u8);
   EXPECT_EQ(outcome(described(good)), "ok");
-  expect_error(Header(good).set<std::int32_t>(0, 540), "found NIfTI-2");
-  expect_error(Header(good).set<std::int32_t>(0, 7), "sizeof_hdr: expected 348, found 7");
+  expect_error(Header(good).set<std::int32_t>(0, 540), "header: expected 540 bytes, found 376");
+  expect_error(Header(good).set<std::int32_t>(0, 7),
+               "sizeof_hdr: expected 348 (NIfTI-1) or 540 (NIfTI-2), found 7");
   expect_error(Header(good).set_shorts(40, {8}), "dim[0]: expected");
   expect_error(Header(good).set_shorts(40, {1}), "dim[0]: expected");
   expect_error(Header(good).set_shorts(42, {-4}), "dim[1]: expected 1 or more, found -4");
   expect_error(Header(good).set_shorts(40, {4, 4, 3, 2, 5}), "found 5 volumes");
   expect_error(Header(good).set_shorts(40, {5, 4, 3, 2, 3, 3}), "found 9 volumes");
   expect_error(Header(good).set_shorts(70, {32}), "(complex numbers)");
-  expect_error(Header(good).set_shorts(70, {1024}), "64-bit integers");
+  expect_error(Header(good).set_shorts(70, {1536}), "(numbers of 128 bits)");
   expect_error(Header(good).set_shorts(70, {12345}), "found code 12345");
   expect_error(Header(good).set<std::int32_t>(344, 0), "magic: expected");
   expect_error(Header(good).set_floats(108, {351}), "vox_offset: expected");
@@ -178,6 +183,89 @@ TEST(Nifti, ErrorsNameTheField) {
   EXPECT_EQ(described(Header(good).set_shorts(40, {4, 4, 3, 2, 1})).value().dimensions, kSmallDimensions);
   EXPECT_EQ(described(Header(good).set_shorts(40, {2, 4, 3, 99})).value().dimensions, Vec3i(4, 3, 1));
   EXPECT_TRUE(described(Header(good).set_floats(108, {0})).ok());
+}
+
+TEST(Nifti, CountsBelowOneAreOne) {
+  const Header good(SampleType::u8);
+  EXPECT_EQ(described(Header(good).set_shorts(40, {4, 4, 3, 2, 0})).value().dimensions, kSmallDimensions);
+  EXPECT_EQ(described(Header(good).set_shorts(40, {7, 4, 3, 2, -1, 0, 1, -32768})).value().dimensions,
+            kSmallDimensions);
+  EXPECT_EQ(described(Header(good).set_shorts(40, {3, 4, 3, 0})).value().dimensions, Vec3i(4, 3, 1));
+  EXPECT_EQ(described(Header(good).set_shorts(40, {3, 4, 0, -2})).value().dimensions, Vec3i(4, 1, 1));
+  // What is beyond dim[0] counts for nothing.
+  EXPECT_EQ(described(Header(good).set_shorts(40, {3, 4, 3, 2, 7, 7})).value().dimensions, kSmallDimensions);
+  EXPECT_NE(outcome(described(Header(good).set_shorts(40, {3, 0, 3, 2}))).find("dim[1]: expected 1 or more"),
+            std::string::npos);
+}
+
+/// A NIfTI-2 header; numbers are named by their byte offsets in nifti2.h.
+struct Header2 {
+  explicit Header2(SampleType type, bool big = false) : big_endian(big) {
+    set<std::int32_t>(0, 540);
+    bytes.replace(4, 8, std::string("n+2\0\r\n\032\n", 8));
+    set<std::int16_t>(12, kDatatypes.at(type));
+    const std::int64_t dim[] = {3, 4, 3, 2, 1, 1, 1, 1};
+    for (std::size_t i = 0; i < 8; ++i) set<std::int64_t>(16 + 8 * i, dim[i]);
+    for (std::size_t i = 0; i < 4; ++i) set<double>(104 + 8 * i, 1);
+    set<std::int64_t>(168, 544);
+  }
+
+  template <typename T>
+  Header2& set(std::size_t offset, T value) {
+    bytes_of(value, big_endian).copy(bytes.data() + offset, sizeof value);
+    return *this;
+  }
+
+  bool big_endian;
+  std::string bytes = std::string(544, '\0');
+};
+
+TEST(Nifti, SecondVersion) {
+  const std::string path = temporary_path("second.nii");
+  for (const SampleType type : kAllSampleTypes) {
+    for (const bool big_endian : {false, true}) {
+      write_file(path, Header2(type, big_endian).bytes + small_samples(type, big_endian));
+      const auto samples = load(path);
+      ASSERT_TRUE(samples.ok()) << outcome(samples);
+      EXPECT_EQ(samples.value(), native_small_samples(type)) << sample_name(type);
+    }
+  }
+  const std::string data = small_samples(SampleType::u8, false);
+  Header2 header(SampleType::u8);
+  header.set<double>(176, 0.1).set<double>(184, 1e9).set<std::int32_t>(348, 1).set<std::int32_t>(500, 3);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    header.set<double>(400 + 40 * axis, 2e3).set<double>(424 + 32 * axis, 5e3);
+  write_file(path, header.bytes + data);
+  const VolumeDescription placed = describe(path).value();
+  EXPECT_EQ(placed.scale, 0.1);
+  EXPECT_EQ(placed.offset, 1e9);
+  EXPECT_TRUE(placed.anatomical);
+  EXPECT_NEAR(length(placed.voxel_to_world.point({1.5, 0.5, 0.5}) - Vec3d(7, 5, 5)), 0, 1e-9);
+
+  write_file(temporary_path("second.hdr"),
+             Header2(SampleType::u8).set<std::int64_t>(168, 0).bytes.replace(4, 3, "ni2"));
+  write_file(temporary_path("second.img"), data);
+  EXPECT_EQ(load(temporary_path("second.hdr")).value(), data);
+  const auto error_of = [&](const Header2& wrong) {
+    write_file(path, wrong.bytes + data);
+    return outcome(load(path));
+  };
+  EXPECT_NE(
+      error_of(Header2(SampleType::u8).set<std::int64_t>(16, 4).set<std::int64_t>(48, std::int64_t{1} << 40))
+          .find("found 1099511627776 volumes"),
+      std::string::npos)
+      << error_of(
+             Header2(SampleType::u8).set<std::int64_t>(16, 4).set<std::int64_t>(48, std::int64_t{1} << 40));
+  EXPECT_NE(error_of(Header2(SampleType::u8).set<std::int64_t>(24, std::int64_t{1} << 40))
+                .find("dimensions: expected"),
+            std::string::npos);
+  EXPECT_NE(error_of(Header2(SampleType::u8).set<std::int64_t>(168, 400)).find("vox_offset: expected"),
+            std::string::npos);
+  Header2 nameless(SampleType::u8);
+  nameless.bytes.replace(4, 3, "abc");
+  EXPECT_NE(error_of(nameless).find("magic: expected n+2 or ni2"), std::string::npos);
+  write_file(path, header.bytes.substr(0, 400));
+  EXPECT_NE(outcome(load(path)).find("header: expected 540 bytes, found 400"), std::string::npos);
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 #include "gvx/io/nrrd.h"
 
 #include <limits>
+#include <optional>
 #include <string_view>
+#include <vector>
 
 #include "gvx/io/header_text.h"
 #include "gvx/io/nrrd_geometry.h"
@@ -13,6 +15,7 @@ struct Header {
   NrrdFields fields;
   std::size_t bytes = 0;        // up to and with the empty line
   bool has_empty_line = false;  // behind which attached data begin
+  std::string data_file_lines;  // behind "data file: LIST"
 };
 
 std::string canonical_name(std::string_view name) {
@@ -22,6 +25,12 @@ std::string canonical_name(std::string_view name) {
   if (small == "byteskip") return "byte skip";
   if (small == "blocksize") return "block size";
   return small;
+}
+
+/// "LIST", and perhaps how many axes are in each of the files.
+bool is_list(const std::string& data_file) {
+  const std::vector<std::string_view> parts = words(data_file);
+  return !parts.empty() && parts[0] == "LIST" && parts.size() <= 2;
 }
 
 Result<Header> split_header(const std::string& path, const std::string& text) {
@@ -47,6 +56,12 @@ Result<Header> split_header(const std::string& path, const std::string& text) {
     const std::string name = canonical_name(line.substr(0, colon));
     if (!header.fields.emplace(name, trimmed(line.substr(colon + 1))).second) {
       return file_error(path, "header: expected each field once, found two of " + quoted(name));
+    }
+    if (name == "data file" && is_list(header.fields.at(name))) {
+      if (text.size() == kMaximumHeaderBytes)
+        return file_error(path, "data file: expected a list that ends within the first MiB");
+      header.data_file_lines = rest;
+      rest = {};
     }
   }
   header.bytes = text.size() - rest.size();
@@ -102,19 +117,50 @@ Status interpret_type(const std::string& path, const NrrdFields& fields, VolumeF
   return {};
 }
 
+/// Data files of which each has some of the axes: "LIST [AXES]" and lines of names, or "PATTERN FIRST LAST
+/// STEP [AXES]".
+Status interpret_data_files(const Header& header, VolumeFile& file) {
+  const std::string& text = header.fields.at("data file");
+  const std::vector<std::string_view> parts = words(text);
+  std::vector<std::int64_t> sizes, numbers;
+  for (const std::string_view size : words(header.fields.at("sizes"))) sizes.push_back(*parse_integer(size));
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const auto number = parse_integer(parts[i]);
+    if (!number)
+      return file_error(file.header_path,
+                        "data file: expected numbers behind the first word of " + quoted(text));
+    numbers.push_back(*number);
+  }
+  std::optional<std::vector<std::string>> names;
+  std::size_t given = 0;  // numbers before that of the axes
+  if (is_list(text)) {
+    names = listed_names(header.data_file_lines);
+  } else if (numbers.size() == 3 || numbers.size() == 4) {
+    names = names_of_pattern(parts[0], numbers[0], numbers[1], numbers[2]);
+    given = 3;
+  }
+  if (!names) {
+    return file_error(file.header_path,
+                      "data file: expected a pattern such as 'slice%03d.raw 1 100 1' of at most " +
+                          std::to_string(kMostDataFiles) + " files, found " + quoted(text));
+  }
+  const std::int64_t most = static_cast<std::int64_t>(sizes.size()) - 1;
+  return set_data_files(file, "data file", *names, sizes, numbers.size() > given ? numbers.back() : most);
+}
+
 Status interpret_data_place(const std::string& path, const Header& header, VolumeFile& file) {
   const auto data_file = header.fields.find("data file");
   if (data_file != header.fields.end()) {
     const std::string& name = data_file->second;
     if (name.empty()) return file_error(path, "data file: expected a name");
-    if (name.starts_with("LIST") || name.find('%') != std::string::npos) {
-      return file_error(
-          path, "data file: expected one file; lists and patterns are not supported, found " + quoted(name));
+    if (is_list(name) || is_file_pattern(name)) {
+      GVX_TRY(interpret_data_files(header, file));
+    } else {
+      file.data_paths = {beside(path, name)};
     }
-    file.data_path = beside(path, name);
   } else {
     if (!header.has_empty_line) return file_error(path, "header: expected an empty line before the data");
-    file.data_path = path;
+    file.data_paths = {path};
     file.start.file_offset = static_cast<std::int64_t>(header.bytes);
   }
   GVX_ASSIGN(file.start.line_skip, skip_count(path, header.fields, "line skip", 0));
@@ -133,6 +179,7 @@ Result<VolumeFile> parse_nrrd(const std::string& path) {
   GVX_ASSIGN(const Header header, split_header(path, text));
   VolumeFile file;
   file.description.path = path;
+  file.header_path = path;
   GVX_ASSIGN(const std::string encoding, required(path, header.fields, "encoding"));
   GVX_ASSIGN(file.encoding, parse_encoding(path, encoding));
   GVX_TRY(interpret_type(path, header.fields, file));

@@ -86,7 +86,7 @@ Result<VolumeFile> describe_raw(const std::string& path, const RawOptions& given
     GVX_TRY(check_spacing(path, *options.spacing));
     file.description.voxel_to_world = scaling(*options.spacing);
   }
-  file.data_path = path;
+  file.data_paths = {path};
   const std::string name = lower_case(path);
   if (name.ends_with(".gz")) file.encoding = Encoding::gzip;
   if (name.ends_with(".bz2")) file.encoding = Encoding::bzip2;

@@ -9,11 +9,11 @@
 
 namespace gvx::io {
 
-/// What one stored sample is; 64-bit integers, complex numbers and colours are not among them.
-enum class SampleType { u8, i8, u16, i16, u32, i32, f32, f64 };
+/// What one stored sample is; complex numbers and colours are not among them.
+enum class SampleType { u8, i8, u16, i16, u32, i32, u64, i64, f32, f64 };
 
 /// For messages: the names of all sample types.
-inline constexpr const char* kSampleTypeNames = "u8, i8, u16, i16, u32, i32, f32 or f64";
+inline constexpr const char* kSampleTypeNames = "u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64";
 
 /// 1, 2, 4 or 8.
 std::size_t sample_bytes(SampleType type);
@@ -41,6 +41,10 @@ decltype(auto) with_sample_type(SampleType type, Function&& function) {
       return function(std::uint32_t{});
     case SampleType::i32:
       return function(std::int32_t{});
+    case SampleType::u64:
+      return function(std::uint64_t{});
+    case SampleType::i64:
+      return function(std::int64_t{});
     case SampleType::f32:
       return function(float{});
     case SampleType::f64:

@@ -1,15 +1,19 @@
 #include "gvx/io/store_build.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <future>
 #include <limits>
+#include <mutex>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "gvx/exec/parallel.h"
+#include "gvx/io/header_text.h"
+#include "gvx/io/sample_conversion.h"
 #include "gvx/store/pyramid.h"
 #include "gvx/store/store_writer.h"
 
@@ -18,13 +22,6 @@ namespace {
 
 // A batch of slices is read while the one before it is worked on; this much is enough to keep both busy.
 constexpr std::uint64_t kBatchBytes = 16ull << 20;
-
-/// stored = (sample - bias) / unit, rounded for integers.
-struct Conversion {
-  VoxelType type = VoxelType::u8;
-  double bias = 0;
-  double unit = 1;
-};
 
 VoxelType natural_type(SampleType type) {
   switch (sample_bytes(type)) {
@@ -37,24 +34,50 @@ VoxelType natural_type(SampleType type) {
   }
 }
 
-/// The conversion that keeps every sample, where there is one.
-std::optional<Conversion> lossless_conversion(SampleType from, VoxelType to) {
-  if (to == VoxelType::f32) return Conversion{to, 0, 1};
-  if (natural_type(from) == VoxelType::f32 || sample_bytes(from) > voxel_bytes(to)) return std::nullopt;
+/// The conversion, where it does not depend on what the samples are.
+std::optional<Conversion> known_conversion(SampleType from, const VoxelFormat& to) {
+  if (to.content == VoxelContent::color) return Conversion{to.type, 0, 1};
+  if (to.content == VoxelContent::labels) {
+    return sample_bytes(from) <= voxel_bytes(to.type) ? std::optional(Conversion{to.type, 0, 1})
+                                                      : std::nullopt;
+  }
+  if (to.type == VoxelType::f32)
+    return is_wide(from) ? std::nullopt : std::optional(Conversion{to.type, 0, 1});
+  if (natural_type(from) == VoxelType::f32 || sample_bytes(from) > voxel_bytes(to.type)) return std::nullopt;
   const double bias = from == SampleType::i8 ? -128 : from == SampleType::i16 ? -32768 : 0;
-  return Conversion{to, bias, 1};
+  return Conversion{to.type, bias, 1};
+}
+
+/// The conversions to f32 that may lose least, the plain one first unless another is never worse.
+std::vector<Conversion> conversions_to_float(const Survey& survey) {
+  // Nearer to 0 than it was each sample has as many digits left as before, or more.
+  if (survey.finite.far_from_0()) return {to_float(survey, at_or_below(survey.finite.least))};
+  std::vector<Conversion> conversions = {to_float(survey, 0)};
+  // A float that is taken off a background of 0 loses nothing of that.
+  if (survey.rounded.far_from_0())
+    conversions.push_back(to_float(survey, float_at_or_below(survey.rounded.least)));
+  return conversions;
+}
+
+/// The index of the conversion that loses least. Another than the first rounds what the first kept: it has to
+/// be much better.
+std::size_t most_faithful(std::span<const double> losses) {
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < losses.size(); ++i) {
+    if (losses[i] < std::min(losses[best], losses[0] / 4)) best = i;
+  }
+  return best;
 }
 
 /// What the volume's voxels become; an error where they cannot be that.
 Result<VoxelFormat> choose_format(const VolumeDescription& d, const StoreBuildOptions& options) {
   const auto components = static_cast<std::uint32_t>(d.components);
   if (options.labels) {
-    const VoxelType type = natural_type(d.type);
-    if (components != 1 || type == VoxelType::f32) {
-      return Error{d.path + ": labels: expected one integer of 8 or 16 bits a voxel"};
+    if (components != 1 || d.type == SampleType::f32 || d.type == SampleType::f64) {
+      return Error{d.path + ": labels: expected one integer a voxel"};
     }
     if (options.type) return Error{d.path + ": labels keep their type: --type does not go with --labels"};
-    return VoxelFormat{type, VoxelContent::labels, 1};
+    return VoxelFormat{sample_bytes(d.type) == 1 ? VoxelType::u8 : VoxelType::u16, VoxelContent::labels, 1};
   }
   if (d.colors) {
     if (options.type) return Error{d.path + ": colours are kept as u8: --type does not go with them"};
@@ -118,76 +141,114 @@ class BatchReader {
   std::future<Status> next_;
 };
 
-struct SampleRange {
-  double minimum = std::numeric_limits<double>::infinity();
-  double maximum = -std::numeric_limits<double>::infinity();
-};
-
-template <typename Sample>
-Sample sample_at(std::span<const std::byte> samples, std::size_t i) {
-  Sample v;
-  std::memcpy(&v, samples.data() + i * sizeof(Sample), sizeof(Sample));
-  return v;
-}
-
-void extend_range(SampleType type, std::span<const std::byte> samples, SampleRange& range) {
-  with_sample_type(type, [&](auto zero) {
-    using Sample = decltype(zero);
-    for (std::size_t i = 0; i < samples.size() / sizeof(Sample); ++i) {
-      const auto v = static_cast<double>(sample_at<Sample>(samples, i));
-      if (!std::isfinite(v)) continue;
-      range.minimum = std::min(range.minimum, v);
-      range.maximum = std::max(range.maximum, v);
-    }
-  });
-}
-
-template <typename Sample, typename Voxel>
-std::uint64_t convert_samples(std::span<const std::byte> samples, const Conversion& c, Voxel* out) {
-  std::uint64_t not_finite = 0;
-  for (std::size_t i = 0; i < samples.size() / sizeof(Sample); ++i) {
-    auto v = static_cast<double>(sample_at<Sample>(samples, i));
-    if constexpr (std::is_floating_point_v<Sample>) {
-      if (!std::isfinite(v) || std::abs(v) > double(std::numeric_limits<float>::max())) {
-        ++not_finite;
-        v = 0;
-      }
-    }
-    v = (v - c.bias) / c.unit;
-    if constexpr (std::is_integral_v<Voxel>) {
-      v = std::clamp(std::nearbyint(v), 0.0, double(std::numeric_limits<Voxel>::max()));
-    }
-    out[i] = static_cast<Voxel>(v);
-  }
-  return not_finite;
-}
-
-/// Converts a batch on all threads; returns how many samples were not finite.
-std::uint64_t convert(const exec::Device& cpu, SampleType from, const Conversion& conversion,
-                      std::span<const std::byte> samples, std::vector<std::byte>& voxels) {
+/// Pieces of a batch are worked on by all threads: calls function(piece of samples, index of its first
+/// sample) and adds up what it returns.
+template <typename Sum, typename Function>
+Sum over_pieces(const exec::Device& cpu, SampleType type, std::span<const std::byte> samples,
+                const Function& function) {
   constexpr std::size_t kPiece = 1 << 16;
-  const std::size_t count = samples.size() / sample_bytes(from);
-  voxels.resize(count * voxel_bytes(conversion.type));
-  std::atomic<std::uint64_t> not_finite{0};
+  const std::size_t width = sample_bytes(type), count = samples.size() / width;
+  Sum sum;
+  std::mutex mutex;
   exec::parallel_for(cpu, (count + kPiece - 1) / kPiece, [&](std::size_t piece) {
-    const std::size_t first = piece * kPiece, pieces = std::min(kPiece, count - first);
-    const auto part = samples.subspan(first * sample_bytes(from), pieces * sample_bytes(from));
-    with_sample_type(from, [&](auto sample) {
-      with_voxel_type(conversion.type, [&](auto voxel) {
-        using Voxel = decltype(voxel);
-        not_finite += convert_samples<decltype(sample)>(part, conversion,
-                                                        reinterpret_cast<Voxel*>(voxels.data()) + first);
-      });
-    });
+    const std::size_t first = piece * kPiece;
+    const Sum of_piece =
+        function(samples.subspan(first * width, std::min(kPiece, count - first) * width), first);
+    const std::lock_guard lock(mutex);
+    sum.add(of_piece);
   });
-  return not_finite;
+  return sum;
 }
 
-bool any_negative(SampleType type, std::span<const std::byte> samples) {
-  SampleRange range;
-  extend_range(type, samples, range);
-  return range.minimum < 0;
+Survey survey(const exec::Device& cpu, SampleType type, std::span<const std::byte> samples) {
+  return over_pieces<Survey>(cpu, type, samples, [&](std::span<const std::byte> piece, std::size_t) {
+    return with_sample_type(type, [&](auto sample) { return survey_samples<decltype(sample)>(piece); });
+  });
 }
+
+/// NaN, that is no data, and what is infinite become NaN of f32, and of integers the least voxel, or the
+/// greatest where `reversed`.
+ConversionAccount convert(const exec::Device& cpu, SampleType from, const Conversion& conversion,
+                          bool reversed, std::span<const std::byte> samples, std::vector<std::byte>& voxels) {
+  voxels.resize(samples.size() / sample_bytes(from) * voxel_bytes(conversion.type));
+  return over_pieces<ConversionAccount>(
+      cpu, from, samples, [&](std::span<const std::byte> piece, std::size_t first) {
+        return with_sample_type(from, [&](auto sample) {
+          return with_voxel_type(conversion.type, [&](auto voxel) {
+            using Voxel = decltype(voxel);
+            using Limits = std::numeric_limits<Voxel>;
+            const Voxel no_data = std::is_same_v<Voxel, float> ? Limits::quiet_NaN()
+                                  : reversed                   ? Limits::max()
+                                                               : Limits::min();
+            return convert_samples<decltype(sample)>(piece, conversion, no_data,
+                                                     reinterpret_cast<Voxel*>(voxels.data()) + first);
+          });
+        });
+      });
+}
+
+/// Labels are stored as they are: an error where the voxels' type does not hold one.
+Status check_labels(const VolumeDescription& d, const Span& labels, VoxelType type) {
+  const Exact most = type == VoxelType::u8 ? 255 : 65535;
+  if (labels.empty() || (labels.least >= 0 && labels.greatest <= most)) return {};
+  const Exact worst = labels.greatest > most ? labels.greatest : labels.least;
+  return Error{d.path + ": labels: expected 0 to " + number_text(static_cast<double>(most)) + ", found " +
+               (worst < 0 ? std::to_string(static_cast<std::int64_t>(worst))
+                          : std::to_string(static_cast<std::uint64_t>(worst)))};
+}
+
+/// Finds a conversion in passes over the samples before the one that stores them.
+class Prospector {
+ public:
+  /// Counts its passes in `passes`, and says how many bytes of samples it has read.
+  Prospector(const exec::Device& cpu, SliceReader& reader, std::int64_t batch, std::uint64_t& passes,
+             std::function<void(std::size_t)> progress)
+      : cpu_(cpu), reader_(reader), batch_(batch), passes_(passes), progress_(std::move(progress)) {}
+
+  /// To the format's type; of labels to a narrower one where that holds them.
+  Result<Conversion> find_conversion(VoxelFormat format) {
+    Survey all;
+    GVX_TRY(pass([&](std::span<const std::byte> samples) { all.add(survey(cpu_, type(), samples)); }));
+    if (format.content == VoxelContent::labels) {
+      GVX_TRY(check_labels(reader_.description(), all.finite, format.type));
+      return Conversion{all.finite.greatest <= 255 ? VoxelType::u8 : format.type, 0, 1};
+    }
+    if (format.type != VoxelType::f32) return to_integer(type(), all, format.type);
+    const std::vector<Conversion> candidates = conversions_to_float(all);
+    if (candidates.size() == 1) return candidates.front();
+    std::vector<double> losses(candidates.size());
+    std::vector<std::byte> voxels;
+    GVX_TRY(pass([&](std::span<const std::byte> samples) {
+      for (std::size_t i = 0; i < losses.size(); ++i) {
+        losses[i] =
+            std::max(losses[i], convert(cpu_, type(), candidates[i], false, samples, voxels).rounded_by);
+      }
+    }));
+    return candidates[most_faithful(losses)];
+  }
+
+ private:
+  SampleType type() const { return reader_.description().type; }
+
+  template <typename Function>
+  Status pass(const Function& function) {
+    ++passes_;
+    BatchReader batches(reader_, batch_);
+    while (true) {
+      GVX_ASSIGN(const auto samples, batches.take());
+      if (samples.empty()) break;
+      function(samples);
+      progress_(samples.size());
+    }
+    return reader_.rewind();
+  }
+
+  const exec::Device& cpu_;
+  SliceReader& reader_;
+  std::int64_t batch_;
+  std::uint64_t& passes_;
+  std::function<void(std::size_t)> progress_;
+};
 
 bool same_bytes(SampleType from, const Conversion& c) {
   return (from == SampleType::u8 && c.type == VoxelType::u8) ||
@@ -195,6 +256,29 @@ bool same_bytes(SampleType from, const Conversion& c) {
 }
 
 }  // namespace
+
+std::vector<std::string> StoreBuildReport::warnings(const std::string& path, SampleType type) const {
+  std::vector<std::string> lines;
+  if (not_finite > 0) {
+    const std::string none = path + ": " + std::to_string(not_finite) + " voxels have no value (" +
+                             (infinite == 0            ? "NaN"
+                              : infinite == not_finite ? "infinite"
+                                                       : "NaN or infinite") +
+                             "): ";
+    lines.push_back(none + (no_data_value ? "stored as the least value, " + number_text(*no_data_value) +
+                                                "; with --type f32 they are transparent"
+                                          : "shown as transparent"));
+  }
+  if (clamped > 0) {
+    lines.push_back(path + ": " + std::to_string(clamped) +
+                    " samples are beyond what the store's voxels hold; they are stored as the nearest value");
+  }
+  if (rounded > 0) {
+    lines.push_back(path + ": " + std::to_string(rounded) + " " + sample_name(type) +
+                    " samples are rounded to " + std::to_string(digits) + " significant digits");
+  }
+  return lines;
+}
 
 Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reader, const std::string& path,
                                      const StoreBuildOptions& options, const BuildProgress& progress) {
@@ -221,67 +305,81 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reade
                  " are allowed (--memory), and smaller bricks (--brick) need less"};
   }
 
-  Conversion conversion;
   const bool keeps_numbers = info.format.content != VoxelContent::scalar;
-  const auto lossless = keeps_numbers ? std::optional(Conversion{info.format.type, 0, 1})
-                                      : lossless_conversion(d.type, info.format.type);
-  const std::uint64_t all = volume_bytes(d) * (lossless ? 1 : 2);
-  std::uint64_t done = 0;
+  std::uint64_t done = 0, passes = 1;
   const auto report_progress = [&](std::size_t bytes) {
     done += bytes;
-    if (progress) progress(done, all);
+    if (progress) progress(done, passes * volume_bytes(d));
   };
-  if (lossless) {
-    conversion = *lossless;
-  } else {
-    SampleRange range;
-    {
-      BatchReader batches(reader, static_cast<std::int64_t>(batch));
-      while (true) {
-        GVX_ASSIGN(const auto samples, batches.take());
-        if (samples.empty()) break;
-        extend_range(d.type, samples, range);
-        report_progress(samples.size());
-      }
+  std::optional<Conversion> conversion = known_conversion(d.type, info.format);
+  if (!conversion) {
+    if (reader.can_rewind()) {
+      Prospector prospector(cpu, reader, static_cast<std::int64_t>(batch), passes, report_progress);
+      GVX_ASSIGN(conversion, prospector.find_conversion(info.format));
+      info.format.type = conversion->type;
+    } else if (info.format.content == VoxelContent::labels) {
+      conversion = Conversion{info.format.type, 0, 1};
+    } else if (info.format.type != VoxelType::f32) {
+      return file_error(d.path, "--type: expected a file, not a pipe: the range of its values must be known");
     }
-    GVX_TRY(reader.rewind());
-    if (!(range.minimum <= range.maximum)) range = {0, 0};
-    const double steps = info.format.type == VoxelType::u8 ? 255 : 65535;
-    conversion = {info.format.type, range.minimum,
-                  range.maximum > range.minimum ? (range.maximum - range.minimum) / steps : 1};
+  }
+
+  BatchReader batches(reader, static_cast<std::int64_t>(batch));
+  GVX_ASSIGN(auto samples, batches.take());
+  if (!conversion) {
+    // Of a pipe's samples, which come but once, the first stand for all.
+    const std::vector<Conversion> candidates = conversions_to_float(survey(cpu, d.type, samples));
+    std::vector<double> losses;
+    std::vector<std::byte> voxels;
+    for (const Conversion& candidate : candidates) {
+      losses.push_back(convert(cpu, d.type, candidate, false, samples, voxels).rounded_by);
+    }
+    conversion = candidates[most_faithful(losses)];
   }
   // Labels and colours are what they are: a slope means nothing for them.
-  info.scale = keeps_numbers ? 1 : d.scale * conversion.unit;
-  info.offset = keeps_numbers ? 0 : d.offset + d.scale * conversion.bias;
+  info.scale = keeps_numbers ? 1 : d.scale * conversion->unit;
+  info.offset = keeps_numbers ? 0 : d.offset + d.scale * conversion->bias;
+  if (!std::isnormal(info.scale) || !std::isfinite(info.offset)) {
+    return Error{d.path + ": value scale: expected physical values that doubles hold"};
+  }
 
+  ConversionAccount account;
   StoreBuildReport report;
-  report.rounded =
-      info.format.type == VoxelType::f32 && sample_bytes(d.type) >= 4 && d.type != SampleType::f32;
   GVX_ASSIGN(const auto writer, store::StoreWriter::create(path, info.shape, info.format));
   store::PyramidBuilder pyramid(cpu, *writer, info);
-  BatchReader batches(reader, static_cast<std::int64_t>(batch));
   std::vector<std::byte> voxels;
-  while (true) {
-    GVX_ASSIGN(const auto samples, batches.take());
-    if (samples.empty()) break;
+  while (!samples.empty()) {
     const auto slices = static_cast<std::int64_t>(samples.size() / slice);
     if (info.format.content == VoxelContent::color) {
       premultiply(samples, static_cast<std::size_t>(d.components), voxels);
       GVX_TRY(pyramid.push_slices(slices, voxels));
-    } else if (same_bytes(d.type, conversion)) {
+    } else if (same_bytes(d.type, *conversion)) {
       GVX_TRY(pyramid.push_slices(slices, samples));
     } else {
-      if (options.labels && any_negative(d.type, samples)) {
-        return Error{d.path + ": labels: expected none below 0"};
-      }
-      report.not_finite += convert(cpu, d.type, conversion, samples, voxels);
+      if (options.labels) GVX_TRY(check_labels(d, survey(cpu, d.type, samples).finite, info.format.type));
+      account.add(convert(cpu, d.type, *conversion, d.scale < 0, samples, voxels));
       GVX_TRY(pyramid.push_slices(slices, voxels));
     }
     report_progress(samples.size());
+    GVX_ASSIGN(samples, batches.take());
   }
   report.surplus = reader.surplus();
   GVX_TRY(pyramid.finish());
   report.bytes_written = writer->bytes_written();
+  report.not_finite = account.not_finite;
+  report.infinite = account.infinite;
+  if (info.format.type != VoxelType::f32) {
+    const double most = info.format.type == VoxelType::u8 ? 255 : 65535;
+    report.no_data_value = info.offset + (d.scale < 0 ? info.scale * most : 0);
+  }
+  report.clamped = account.clamped;
+  report.rounded = account.rounded;
+  if (account.rounded > 0) {
+    const Span& rounded = account.rounded_samples;
+    const auto greatest = static_cast<double>(std::max(std::abs(d.scale * rounded.least + d.offset),
+                                                       std::abs(d.scale * rounded.greatest + d.offset)));
+    report.digits = static_cast<int>(std::log10(greatest / (std::abs(d.scale) * account.rounded_by)));
+  }
   return report;
 }
 

@@ -1,7 +1,7 @@
 /// \file
-/// build_store: another program's volume file into a .gvx store, in bounded memory and one pass, or two where
-/// the values must be known before they can be converted. Volumes of several numbers a voxel become channels,
-/// or colours where their file says that they are.
+/// build_store: another program's volume file into a .gvx store, in bounded memory and one pass, or up to
+/// three where the values must be known before they can be converted. Volumes of several numbers a voxel
+/// become channels, or colours where their file says that they are.
 #pragma once
 
 #include <cstdint>
@@ -32,12 +32,23 @@ struct StoreBuildOptions {
 
 struct StoreBuildReport {
   std::uint64_t bytes_written = 0;
-  /// Samples that were no finite number, and were stored as 0.
+  /// Samples that are NaN or infinite: no data.
   std::uint64_t not_finite = 0;
-  /// Integers wider than 24 bits or doubles lose digits as f32.
-  bool rounded = false;
+  /// Of them, infinite.
+  std::uint64_t infinite = 0;
+  /// The physical value that they were stored as; none where they are kept as NaN, in f32 voxels.
+  std::optional<double> no_data_value = {};
+  /// Samples that lay beyond what the voxels hold, and were held to it.
+  std::uint64_t clamped = 0;
+  /// Integers wider than 24 bits and doubles that f32 does not hold to the last digit, and the decimal digits
+  /// that all of those keep.
+  std::uint64_t rounded = 0;
+  int digits = 0;
   /// Files that hold more than the volume.
   std::vector<Surplus> surplus = {};
+
+  /// A line for each thing that a user should know of the samples, naming `path`.
+  std::vector<std::string> warnings(const std::string& path, SampleType type) const;
 };
 
 /// Called with what is done of all the work, in bytes of samples, from one thread.

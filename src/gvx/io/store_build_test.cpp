@@ -40,8 +40,8 @@ Result<std::unique_ptr<store::StoreReader>> build(const std::string& input, cons
   return store::StoreReader::open(path);
 }
 
-/// The physical value of finest voxel i.
-double physical(const store::StoreReader& reader, int i) {
+/// What is stored of finest voxel i.
+double stored(const store::StoreReader& reader, int i) {
   const auto& info = reader.info();
   const std::uint32_t m = info.shape.m;
   const std::uint32_t x = static_cast<std::uint32_t>(i % 20), y = static_cast<std::uint32_t>(i / 20 % 10),
@@ -52,8 +52,13 @@ double physical(const store::StoreReader& reader, int i) {
   const std::size_t texel = (x % m + 1) + (m + 2) * ((y % m + 1) + (m + 2) * std::size_t(z % m + 1));
   return with_voxel_type(info.format.type, [&](auto v) {
     std::memcpy(&v, &brick[texel * sizeof(v)], sizeof(v));
-    return info.scale * static_cast<double>(v) + info.offset;
+    return static_cast<double>(v);
   });
+}
+
+/// The physical value of finest voxel i.
+double physical(const store::StoreReader& reader, int i) {
+  return reader.info().scale * stored(reader, i) + reader.info().offset;
 }
 
 template <typename Sample, typename Function>
@@ -82,6 +87,111 @@ TEST(StoreBuild, keeps_every_value_of_every_type_that_fits) {
   expect_exact<double>("f64", VoxelType::f32, signed_ramp);
 }
 
+/// Each voxel's value less `reference`, which doubles may not tell apart from it.
+std::vector<double> stored_beside(const store::StoreReader& reader, double reference) {
+  std::vector<double> values;
+  for (int i = 0; i < 1400; ++i)
+    values.push_back((reader.info().offset - reference) + reader.info().scale * stored(reader, i));
+  return values;
+}
+
+TEST(StoreBuild, keeps_apart_what_is_close_and_far_from_0) {
+  const auto expect_steps = [](const auto& reader, double reference, double step) {
+    ASSERT_TRUE(reader.ok()) << reader.error().message;
+    const std::vector<double> values = stored_beside(*reader.value(), reference);
+    for (int i = 0; i < 1400; ++i) ASSERT_EQ(values[std::size_t(i)], step * (i % 7)) << i;
+  };
+  StoreBuildReport report;
+  const auto near_1e9 = [](int i) { return 1e9 + 0.5 * (i % 7); };
+  expect_steps(build(write_raw<double>("f64", near_1e9), {}, &report), 1e9, 0.5);
+  EXPECT_EQ(report.rounded, 0u);
+  expect_steps(build(write_raw<double>("f64", [&](int i) { return -4e9 + 0.5 * (i % 7); }), {}), -4e9, 0.5);
+  expect_steps(build(write_raw<std::int32_t>("i32", [](int i) { return 2000000000 + i % 7; }), {}), 2e9, 1);
+  expect_steps(
+      build(write_raw<std::uint32_t>("u32", [](int i) { return 4000000000u + unsigned(i % 7); }), {}), 4e9,
+      1);
+  const auto i64 = [](int i) { return -(std::int64_t{1} << 62) + i % 7; };
+  expect_steps(build(write_raw<std::int64_t>("i64", i64), {}, &report), -0x1p62, 1);
+  EXPECT_EQ(report.rounded, 0u);
+  const auto u64 = [](int i) { return (std::uint64_t{1} << 63) + std::uint64_t(i % 7); };
+  expect_steps(build(write_raw<std::uint64_t>("u64", u64), {}), 0x1p63, 1);
+
+  StoreBuildOptions options;
+  options.type = VoxelType::u16;
+  const auto quantised = build(write_raw<std::int64_t>("i64", i64), options);
+  expect_steps(quantised, -0x1p62, 1);
+  const auto reader = build(write_raw<double>("f64", near_1e9), options).value();
+  for (int i = 0; i < 1400; i += 13) EXPECT_NEAR(physical(*reader, i), near_1e9(i), 1e-4);
+}
+
+TEST(StoreBuild, keeps_apart_what_is_close_and_far_from_a_background_of_0) {
+  StoreBuildReport report;
+  const auto value = [](int i) { return i % 2 == 0 ? 0 : 1e9 + 0.5 * (i % 7); };
+  const auto reader = build(write_raw<double>("f64", value), {}, &report).value();
+  EXPECT_EQ(report.rounded, 0u);
+  for (int i = 0; i < 1400; ++i) ASSERT_EQ(physical(*reader, i), value(i)) << i;
+}
+
+TEST(StoreBuild, keeps_doubles_that_are_beyond_floats) {
+  for (const double unit : {1e-300, 1e300}) {
+    StoreBuildReport report;
+    const auto reader = build(write_raw<double>("f64", [&](int i) { return unit * (i % 7); }), {}, &report);
+    ASSERT_TRUE(reader.ok()) << reader.error().message;
+    EXPECT_EQ(report.not_finite, 0u);
+    EXPECT_EQ(report.clamped, 0u);
+    for (int i = 0; i < 1400; ++i)
+      ASSERT_NEAR(physical(*reader.value(), i) / unit, i % 7, 1e-6) << i << ' ' << unit;
+  }
+}
+
+TEST(StoreBuild, says_how_many_digits_rounded_samples_keep) {
+  StoreBuildReport report;
+  ASSERT_TRUE(
+      build(write_raw<double>("f64", [](int i) { return i < 1000 ? 0.1 * (i % 50) : 7; }), {}, &report).ok());
+  EXPECT_EQ(report.digits, 7);
+  const auto lines = report.warnings("a.nii", SampleType::f64);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0],
+            "a.nii: " + std::to_string(report.rounded) + " f64 samples are rounded to 7 significant digits");
+  EXPECT_GT(report.rounded, 700u);
+  EXPECT_LT(report.rounded, 1000u);
+  ASSERT_TRUE(build(write_raw<double>("f64", [](int i) { return 0.25 * i; }), {}, &report).ok());
+  EXPECT_TRUE(report.warnings("a.nii", SampleType::f64).empty());
+}
+
+TEST(StoreBuild, wide_labels_keep_their_numbers_or_are_refused) {
+  StoreBuildOptions options;
+  options.labels = true;
+  const auto expect_labels = [&](const auto& reader, VoxelType type, int step) {
+    ASSERT_TRUE(reader.ok()) << reader.error().message;
+    EXPECT_EQ(reader.value()->info().format, (VoxelFormat{type, VoxelContent::labels, 1}));
+    for (int i = 0; i < 1400; i += 13) ASSERT_EQ(physical(*reader.value(), i), step * (i % 200)) << i;
+  };
+  expect_labels(build(write_raw<std::uint32_t>("u32", [](int i) { return i % 200; }), options), VoxelType::u8,
+                1);
+  expect_labels(build(write_raw<std::int32_t>("i32", [](int i) { return 300 * (i % 200); }), options),
+                VoxelType::u16, 300);
+  expect_labels(build(write_raw<std::int64_t>("i64", [](int i) { return 300 * (i % 200); }), options),
+                VoxelType::u16, 300);
+  expect_labels(build(write_raw<std::uint64_t>("u64", [](int i) { return i % 200; }), options), VoxelType::u8,
+                1);
+  const auto error_of = [&](const std::string& input) { return build(input, options).error().message; };
+  const auto greatest = [](int i) { return i == 777 ? ~std::uint64_t{0} : 1; };
+  EXPECT_NE(error_of(write_raw<std::uint64_t>("u64", greatest))
+                .find("labels: expected 0 to 65535, found 18446744073709551615"),
+            std::string::npos);
+  EXPECT_NE(
+      error_of(write_raw<std::int32_t>("i32", [](int i) { return i == 5 ? 65536 : i; })).find("found 65536"),
+      std::string::npos);
+  EXPECT_NE(error_of(write_raw<std::int32_t>("i32", [](int i) { return i - 3; })).find("found -3"),
+            std::string::npos);
+  EXPECT_NE(error_of(write_raw<std::int8_t>("i8", [](int i) { return i % 9 - 4; }))
+                .find("labels: expected 0 to 255, found -4"),
+            std::string::npos);
+  EXPECT_NE(error_of(write_raw<float>("f32", [](int i) { return i; })).find("labels: expected one integer"),
+            std::string::npos);
+}
+
 TEST(StoreBuild, quantises_to_a_narrower_type_over_the_whole_range) {
   StoreBuildOptions options;
   options.type = VoxelType::u8;
@@ -91,7 +201,16 @@ TEST(StoreBuild, quantises_to_a_narrower_type_over_the_whole_range) {
   for (int i = 0; i < 1400; i += 7) EXPECT_NEAR(physical(*reader, i), -2 + 0.01 * i, 13.99 / 255 / 2 + 1e-5);
 }
 
-TEST(StoreBuild, stores_what_is_not_finite_as_zero_and_counts_it) {
+TEST(StoreBuild, integers_of_a_narrow_range_stay_whole) {
+  StoreBuildOptions options;
+  options.type = VoxelType::u8;
+  const auto value = [](int i) { return 70000 + i % 200; };
+  const auto reader = build(write_raw<std::int32_t>("i32", value), options).value();
+  EXPECT_EQ(reader->info().format.type, VoxelType::u8);
+  for (int i = 0; i < 1400; i += 7) EXPECT_EQ(physical(*reader, i), value(i));
+}
+
+TEST(StoreBuild, what_is_not_finite_is_no_data_and_counted) {
   const auto value = [](int i) {
     return i % 100 == 0   ? std::numeric_limits<float>::quiet_NaN()
            : i % 100 == 1 ? -std::numeric_limits<float>::infinity()
@@ -100,8 +219,28 @@ TEST(StoreBuild, stores_what_is_not_finite_as_zero_and_counts_it) {
   StoreBuildReport report;
   const auto reader = build(write_raw<float>("f32", value), {}, &report).value();
   EXPECT_EQ(report.not_finite, 28u);
-  EXPECT_EQ(physical(*reader, 100), 0);
+  EXPECT_EQ(report.infinite, 14u);
+  EXPECT_TRUE(reader->info().no_data);
+  EXPECT_EQ(reader->info().ranges.channel[0], (ValueRange{5, 5}));
+  EXPECT_TRUE(std::isnan(physical(*reader, 100)));
+  EXPECT_TRUE(std::isnan(physical(*reader, 101)));
   EXPECT_EQ(physical(*reader, 102), 5);
+  EXPECT_EQ(report.warnings("a.nii", SampleType::f32)[0],
+            "a.nii: 28 voxels have no value (NaN or infinite): shown as transparent");
+}
+
+TEST(StoreBuild, no_data_is_the_least_value_of_a_narrower_type) {
+  StoreBuildOptions options;
+  options.type = VoxelType::u8;
+  StoreBuildReport report;
+  const auto value = [](int i) { return i % 100 == 0 ? std::nan("") : -10 + i % 6; };
+  const auto reader = build(write_raw<double>("f64", value), options, &report).value();
+  EXPECT_FALSE(reader->info().no_data);
+  EXPECT_EQ(physical(*reader, 100), -10);
+  EXPECT_NEAR(physical(*reader, 101), value(101), 0.02);
+  EXPECT_EQ(report.warnings("a.nii", SampleType::f64)[0],
+            "a.nii: 14 voxels have no value (NaN): stored as the least value, -10; with --type f32 they are "
+            "transparent");
 }
 
 TEST(StoreBuild, says_how_much_memory_it_needs) {

@@ -9,7 +9,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "gvx/core/affine.h"
 #include "gvx/core/result.h"
@@ -41,11 +44,13 @@ inline constexpr std::int64_t kSamplesAtEnd = -1;
 /// A volume and where its samples are.
 struct VolumeFile {
   VolumeDescription description;
-  std::string header_path = {};  ///< Where the header is, if not in description.path.
-  std::string data_path;         ///< "-" is standard input.
+  std::string header_path;  ///< Of the file that was parsed; empty for raw samples, which have no header.
+  /// Files that hold equal shares of the samples, one after the other, each laid out as drawn above. "-" is
+  /// standard input.
+  std::vector<std::string> data_paths;
   Encoding encoding = Encoding::raw;
   StreamStart start;
-  std::int64_t byte_skip = 0;  ///< Decoded bytes before the first sample, or kSamplesAtEnd.
+  std::int64_t byte_skip = 0;  ///< Decoded bytes before the first sample of a file, or kSamplesAtEnd.
   bool exact_size = false;  ///< Bytes behind the last sample are an error where the file's size shows them.
 };
 
@@ -54,6 +59,27 @@ std::uint64_t slice_bytes(const VolumeDescription& description);
 
 /// The bytes of all samples; the description must have passed check_description().
 std::uint64_t volume_bytes(const VolumeDescription& description);
+
+/// No header may name more data files.
+inline constexpr std::int64_t kMostDataFiles = std::int64_t{1} << 18;
+
+/// Does the name hold a number's place, such as the %03d of "slice%03d.raw"?
+bool is_file_pattern(std::string_view name);
+
+/// The names of a pattern such as "slice%03d.raw" with the numbers from `first` to `last` in steps of `step`,
+/// which may be below 0; nothing where the pattern has not exactly one number's place, or where the numbers
+/// are none or more than kMostDataFiles.
+std::optional<std::vector<std::string>> names_of_pattern(std::string_view pattern, std::int64_t first,
+                                                         std::int64_t last, std::int64_t step);
+
+/// The lines up to the first empty one.
+std::vector<std::string> listed_names(std::string_view lines);
+
+/// Sets the file's data_paths: the names, beside the header. `sizes` are those of the header's axes, fastest
+/// first, and each data file holds the first `axes_in_file` of them. An error of the field where there are
+/// not as many names as places along the other axes; names of files that hold all axes share out the last.
+Status set_data_files(VolumeFile& file, const char* field, const std::vector<std::string>& names,
+                      const std::vector<std::int64_t>& sizes, std::int64_t axes_in_file);
 
 /// Fails unless every dimension is 1 to 2^31-1, all samples together are less than 2^62 bytes, voxel_to_world
 /// has an inverse, and scale and offset are finite, scale not zero.

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "gvx/io/header_text.h"
@@ -114,27 +116,60 @@ Result<VolumeFile> describe(const std::string& path, const RawOptions& raw) {
 
 }  // namespace
 
-VolumeReader::VolumeReader(VolumeFile file, std::unique_ptr<ByteStream> stream)
-    : file_(std::move(file)), stream_(std::move(stream)) {}
-
 Result<std::unique_ptr<VolumeReader>> VolumeReader::open(VolumeFile file) {
   GVX_TRY(check_description(file.description));
-  auto stream = open_byte_stream(file.data_path, file.encoding, file.start, file.description.type);
-  if (!stream.ok()) {
-    const bool detached = file.data_path != file.description.path;
-    return detached ? file_error(file.description.path, "data file " + stream.error().message)
-                    : stream.error();
-  }
-  std::unique_ptr<VolumeReader> reader(new VolumeReader(std::move(file), std::move(stream).value()));
-  GVX_TRY(reader->find_first_sample());
-  GVX_TRY(reader->check_size());
-  GVX_TRY(reader->skip_to_first_sample());
+  GVX_CHECK(!file.data_paths.empty());
+  std::unique_ptr<VolumeReader> reader(new VolumeReader(std::move(file)));
+  GVX_TRY(reader->open_data_file(0));
+  GVX_TRY(reader->check_other_files());
   return reader;
+}
+
+std::uint64_t VolumeReader::share_bytes() const {
+  return volume_bytes(description()) / file_.data_paths.size();
+}
+
+/// Of a raw data file; lines that are skipped are not counted.
+std::uint64_t VolumeReader::least_file_bytes() const {
+  const std::int64_t before = file_.start.file_offset + std::max<std::int64_t>(file_.byte_skip, 0);
+  return static_cast<std::uint64_t>(before) + share_bytes();
+}
+
+/// A file that lacks would otherwise be found when those before it have been read, hours later.
+Status VolumeReader::check_other_files() const {
+  for (std::size_t i = 1; i < file_.data_paths.size(); ++i) {
+    const std::string& path = file_.data_paths[i];
+    std::error_code error;
+    const std::uintmax_t size = std::filesystem::file_size(path, error);
+    if (error) {
+      return file_error(description().path, "data file " + path + ": cannot open: " + error.message());
+    }
+    const std::uint64_t least = least_file_bytes();
+    if (file_.encoding == Encoding::raw && size < least) {
+      return file_error(path,
+                        "size: expected " + std::to_string(least) + " bytes, found " + std::to_string(size));
+    }
+  }
+  return {};
+}
+
+Status VolumeReader::open_data_file(std::size_t index) {
+  const std::string& path = file_.data_paths[index];
+  auto stream = open_byte_stream(path, file_.encoding, file_.start, description().type);
+  if (!stream.ok()) {
+    const bool detached = path != description().path;
+    return detached ? file_error(description().path, "data file " + stream.error().message) : stream.error();
+  }
+  stream_ = std::move(stream).value();
+  data_file_ = index;
+  GVX_TRY(find_first_sample());
+  GVX_TRY(check_size());
+  return skip_to_first_sample();
 }
 
 Error VolumeReader::data_end_early(std::uint64_t bytes_there) const {
   return file_error(stream_->name(), "data end after " + std::to_string(bytes_there) + " of " +
-                                         std::to_string(volume_bytes(description())) + " bytes");
+                                         std::to_string(share_bytes()) + " bytes");
 }
 
 Status VolumeReader::find_first_sample() {
@@ -146,15 +181,15 @@ Status VolumeReader::find_first_sample() {
   if (!there) {
     GVX_ASSIGN(there, count_bytes_and_rewind(*stream_));
   }
-  if (*there < volume_bytes(description())) return data_end_early(*there);
-  first_sample_ = *there - volume_bytes(description());
+  if (*there < share_bytes()) return data_end_early(*there);
+  first_sample_ = *there - share_bytes();
   return {};
 }
 
 Status VolumeReader::check_size() const {
   const std::optional<std::uint64_t> there = stream_->bytes_left();
   if (!there) return {};
-  const std::uint64_t expected = first_sample_ + volume_bytes(description());
+  const std::uint64_t expected = first_sample_ + share_bytes();
   if (*there >= expected && !(file_.exact_size && *there > expected)) return {};
   return file_error(stream_->name(), "size: expected " + std::to_string(expected) + " bytes of data, found " +
                                          std::to_string(*there));
@@ -163,23 +198,34 @@ Status VolumeReader::check_size() const {
 Status VolumeReader::skip_to_first_sample() {
   GVX_ASSIGN(const std::uint64_t skipped, stream_->skip(first_sample_));
   if (skipped < first_sample_) return data_end_early(0);
+  share_left_ = share_bytes();
+  return {};
+}
+
+Status VolumeReader::read_samples(std::span<std::byte> out) {
+  const bool packed = file_.encoding == Encoding::gzip || file_.encoding == Encoding::bzip2;
+  while (!out.empty()) {
+    if (share_left_ == 0) GVX_TRY(open_data_file(data_file_ + 1));
+    const auto part = out.first(static_cast<std::size_t>(std::min<std::uint64_t>(out.size(), share_left_)));
+    GVX_ASSIGN(const std::size_t done, stream_->read(part));
+    if (done < part.size()) return data_end_early(share_bytes() - share_left_ + done);
+    share_left_ -= done;
+    out = out.subspan(done);
+    if (packed && share_left_ == 0) {
+      // The checksum stands behind the last byte: without one more read it would go unchecked.
+      behind_.resize(1);
+      GVX_ASSIGN(const std::size_t more, stream_->read(behind_));
+      behind_.resize(more);
+    }
+  }
   return {};
 }
 
 Status VolumeReader::read_slices(std::int64_t count, std::span<std::byte> out) {
-  const std::uint64_t slice = slice_bytes(description());
   GVX_CHECK(count >= 0 && count <= description().dimensions.z - next_slice_);
-  GVX_CHECK(out.size() == static_cast<std::uint64_t>(count) * slice);
-  GVX_ASSIGN(const std::size_t done, stream_->read(out));
-  if (done < out.size()) return data_end_early(static_cast<std::uint64_t>(next_slice_) * slice + done);
+  GVX_CHECK(out.size() == static_cast<std::uint64_t>(count) * slice_bytes(description()));
+  GVX_TRY(read_samples(out));
   next_slice_ += count;
-  const bool packed = file_.encoding == Encoding::gzip || file_.encoding == Encoding::bzip2;
-  if (packed && count > 0 && next_slice_ == description().dimensions.z) {
-    // The checksum stands behind the last byte: without one more read it would go unchecked.
-    behind_.resize(1);
-    GVX_ASSIGN(const std::size_t more, stream_->read(behind_));
-    behind_.resize(more);
-  }
   const bool stored_big_endian =
       file_.encoding == Encoding::ascii ? kNativeBigEndian : description().big_endian;
   if (stored_big_endian != kNativeBigEndian) swap_samples(description().type, out);
@@ -201,14 +247,22 @@ std::vector<Surplus> VolumeReader::surplus() {
   const bool line_end = behind_.size() <= 2 && std::all_of(behind_.begin(), behind_.end(), [](std::byte b) {
                           return b == std::byte{'\n'} || b == std::byte{'\r'};
                         });
-  if (line_end) return {};
-  return {{stream_->name(), left ? known + *left : behind_.size(), left || counted}};
+  if (!line_end) return {{stream_->name(), left ? known + *left : behind_.size(), left || counted}};
+  // Of the files before it one stands for all.
+  for (std::size_t i = 0; i < data_file_ && file_.encoding == Encoding::raw; ++i) {
+    std::error_code error;
+    const std::uintmax_t size = std::filesystem::file_size(file_.data_paths[i], error);
+    const bool larger = !error && file_.start.line_skip == 0 && size > least_file_bytes() + 2;
+    if (larger) return {Surplus{file_.data_paths[i], size - least_file_bytes()}};
+  }
+  return {};
 }
 
 Status VolumeReader::rewind() {
   behind_.clear();
-  GVX_TRY(stream_->rewind());
   next_slice_ = 0;
+  if (data_file_ != 0) return open_data_file(0);
+  GVX_TRY(stream_->rewind());
   return skip_to_first_sample();
 }
 
@@ -221,9 +275,11 @@ std::vector<std::string> volume_files(const std::string& path, const RawOptions&
   std::vector<std::string> files = {path};
   const auto described = describe(path, raw);
   if (!described.ok()) return files;
-  for (const std::string& other : {described.value().header_path, described.value().data_path}) {
-    if (!other.empty() && other != path) files.push_back(other);
-  }
+  const auto add = [&](const std::string& file) {
+    if (!file.empty() && file != path) files.push_back(file);
+  };
+  add(described.value().header_path);
+  for (const std::string& file : described.value().data_paths) add(file);
   return files;
 }
 

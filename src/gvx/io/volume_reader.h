@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gvx/core/result.h"
@@ -42,6 +43,7 @@ class SliceReader {
 
   /// Goes back to slice 0; an error for pipes.
   virtual Status rewind() = 0;
+  virtual bool can_rewind() const = 0;
 
   /// To be called after the last slice: the files that hold more than the volume, and more than a line end.
   /// No more than the first MiB of a pipe or packed file is counted.
@@ -51,29 +53,34 @@ class SliceReader {
 /// Reads the z-slices of one volume in order.
 class VolumeReader final : public SliceReader {
  public:
-  /// Fails where check_description() does, the data file cannot be read, or its size shows that it is too
-  /// short (or longer than exact_size allows); of packed data that shows only while reading.
+  /// Fails where check_description() does, a data file is not there, or its size shows that it is too short
+  /// (or longer than exact_size allows); of packed data that shows only while reading.
   static Result<std::unique_ptr<VolumeReader>> open(VolumeFile file);
 
   const VolumeDescription& description() const override { return file_.description; }
   Status read_slices(std::int64_t count, std::span<std::byte> out) override;
   std::int64_t next_slice() const override { return next_slice_; }
   Status rewind() override;
+  bool can_rewind() const override { return stream_->can_rewind(); }
   std::vector<Surplus> surplus() override;
 
-  /// Bytes of the data file, as it is on disk, that have been passed so far.
-  std::uint64_t bytes_consumed() const { return stream_->bytes_consumed(); }
-
  private:
-  VolumeReader(VolumeFile file, std::unique_ptr<ByteStream> stream);
+  explicit VolumeReader(VolumeFile file) : file_(std::move(file)) {}
+  std::uint64_t share_bytes() const;
+  std::uint64_t least_file_bytes() const;
+  Status check_other_files() const;
+  Status open_data_file(std::size_t index);
   Status find_first_sample();
   Status check_size() const;
   Status skip_to_first_sample();
+  Status read_samples(std::span<std::byte> out);
   Error data_end_early(std::uint64_t bytes_there) const;
 
   VolumeFile file_;
+  std::size_t data_file_ = 0;  // that stream_ reads
   std::unique_ptr<ByteStream> stream_;
   std::uint64_t first_sample_ = 0;  // decoded bytes before it
+  std::uint64_t share_left_ = 0;    // bytes of the data file's samples that were not read yet
   std::int64_t next_slice_ = 0;
   std::vector<std::byte> behind_;  // decoded bytes that were read behind the last sample
 };

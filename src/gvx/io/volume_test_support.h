@@ -20,9 +20,9 @@
 
 namespace gvx::io::test {
 
-inline constexpr SampleType kAllSampleTypes[] = {SampleType::u8,  SampleType::i8,  SampleType::u16,
-                                                 SampleType::i16, SampleType::u32, SampleType::i32,
-                                                 SampleType::f32, SampleType::f64};
+inline constexpr SampleType kAllSampleTypes[] = {
+    SampleType::u8,  SampleType::i8,  SampleType::u16, SampleType::i16, SampleType::u32,
+    SampleType::i32, SampleType::u64, SampleType::i64, SampleType::f32, SampleType::f64};
 
 /// The shape of the volumes that the tests write: 4 * 3 * 2 samples.
 inline constexpr Vec3i kSmallDimensions{4, 3, 2};

@@ -82,14 +82,18 @@ void RepeatProducer::average(std::span<const std::byte> root, std::uint32_t leve
         const Vec3i first(1 + i % across * part, 1 + i / across % across * part,
                           1 + i / across / across * part);
         const auto at = [&](Vec3i p) { return from[(p.z * edge + p.y) * edge + p.x]; };
-        double sum = 0;
+        double sum = 0, count = 0;  // of the voxels that have a value; of none the mean is NaN
         for (std::int64_t z = 0; z < part; ++z) {
           for (std::int64_t y = 0; y < part; ++y) {
-            for (std::int64_t x = 0; x < part; ++x) sum += static_cast<double>(at(first + Vec3i(x, y, z)));
+            for (std::int64_t x = 0; x < part; ++x) {
+              const Voxel voxel = at(first + Vec3i(x, y, z));
+              if (store::is_no_data(voxel)) continue;
+              sum += static_cast<double>(voxel);
+              ++count;
+            }
           }
         }
-        const double mean = sum / static_cast<double>(part * part * part);
-        Voxel value = store::rounded<Voxel>(mean);
+        Voxel value = store::rounded<Voxel>(sum / count);
         // Classes have no mean.
         if (labels) value = at(first + Vec3i(part / 2));
         one[static_cast<std::size_t>(i)] = value;

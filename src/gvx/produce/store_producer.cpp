@@ -1,5 +1,8 @@
 #include "gvx/produce/store_producer.h"
 
+#include <cmath>
+#include <limits>
+
 namespace gvx::produce {
 
 StoreProducer::StoreProducer(std::unique_ptr<store::StoreReader> reader) : reader_(std::move(reader)) {
@@ -16,6 +19,7 @@ StoreProducer::StoreProducer(std::unique_ptr<store::StoreReader> reader) : reade
   description_.scale = info.scale;
   description_.offset = info.offset;
   description_.ranges = info.ranges;
+  description_.no_data = info.no_data;
   description_.histograms = info.histograms;
   description_.bricks = info.shape.nodes();
 }
@@ -33,6 +37,12 @@ Status StoreProducer::describe(std::span<const NodeKey> keys, std::span<tree::No
     }
     GVX_ASSIGN(const store::NodeRecord record, reader_->node(keys[i]));
     infos[i] = {record.ranges, keys[i].level == description_.max_level};
+    if (!record.constant() && record.ranges.constant()) {
+      // One value and no data beside it: the range is told a little wider, as only nodes of a single value
+      // are taken to be constant.
+      ValueRange& range = infos[i].ranges.channel[0];
+      range.maximum = std::nextafter(range.maximum, std::numeric_limits<float>::infinity());
+    }
   }
   return {};
 }

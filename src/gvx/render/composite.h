@@ -20,8 +20,9 @@ struct EntryPath {
   float from = 0, to = 0;
   float variance3 = 0;  ///< three times the variance around it
 
-  /// The mean matter of the part of it between two shares of its length.
+  /// The mean matter of the part of it between two shares of its length; nothing where an end is no data.
   GVX_HD scene::Matter mean(const scene::TransferView& function, float begin, float end) const {
+    if (std::isnan(from) || std::isnan(to)) return {};
     const float a = from + begin * (to - from), b = end < 1 ? from + end * (to - from) : to;
     if (!(variance3 > 0.0f)) return function.mean(a, b);
     const float centre = 0.5f * (a + b);
@@ -116,7 +117,7 @@ struct Slopes {
                 std::uint32_t channels, float i_)
       : i(i_), blend(s.blend_at(frame, i_)) {
     for (std::uint32_t c = 0; c < channels; ++c) {
-      if (span.matter[c].extinction > 0.0f) gradient[c] = gradient_at(s, c, i, blend);
+      if (span.matter[c].extinction > 0.0f) gradient[c] = gradient_or_none(s, c, i, blend);
     }
   }
 

@@ -1,6 +1,9 @@
 /// \file
 /// Isosurface: the first place along a ray where the value is the isovalue, found to a small part of a voxel.
+/// Where matter ends at what is no data there is no surface.
 #pragma once
+
+#include <cmath>
 
 #include "gvx/render/stretch.h"
 
@@ -17,7 +20,7 @@ GVX_HD float crossing(const RayView& ray, const Stretch<Voxel, M>& s, float a, f
   for (int round = 0; round < kRounds; ++round) {
     i = a + (b - a) * value_a / (value_a - value_b);
     const float value = value_at(s, 0, i, s.blend_at(ray.frame, i)) - ray.frame.visibility.isovalue;
-    if (value == 0.0f) return i;
+    if (value == 0.0f || std::isnan(value)) return i;
     if ((value < 0.0f) == (value_b < 0.0f)) {
       b = i, value_b = value;
       if (stayed == 1) value_a *= 0.5f;
@@ -39,10 +42,11 @@ GVX_HD void find_surface(const RayView& ray, const Stretch<Voxel, M>& s, RayStat
     const float i = static_cast<float>(step);
     const float back = value_at(s, 0, i + 0.5f, s.blend_at(frame, i + 0.5f)) - frame.visibility.isovalue;
     ++state.samples;
-    if ((front < 0.0f) != (back < 0.0f)) {
+    const bool no_data = std::isnan(front) || std::isnan(back);
+    if (!no_data && (front < 0.0f) != (back < 0.0f)) {
       const float hit = crossing(ray, s, i - 0.5f, front, i + 0.5f, back);
       const float lit = s.held_in_voxel(i, hit);
-      const Vec3f gradient = gradient_at(s, 0, lit, s.blend_at(frame, lit)) / frame.soft_gradient[0];
+      const Vec3f gradient = gradient_or_none(s, 0, lit, s.blend_at(frame, lit)) / frame.soft_gradient[0];
       const scene::Shade<float> shade = ray.shade(gradient, 1, s.t_at(hit));
       add(state, frame.iso_color * shade.body + shade.glint, 1);
       return;

@@ -4,6 +4,8 @@
 /// coarse voxels are not looked at, and gradients are those of the cell between eight voxels.
 #pragma once
 
+#include <cmath>
+
 #include "gvx/render/stretch.h"
 
 namespace gvx::render {
@@ -28,7 +30,7 @@ GVX_HD void composite_post(const RayView& ray, const Stretch<Voxel, M>& s, RaySt
         sample.value = s.with_noise(sample.value, i);
       }
       const float entry = function.entry_of(sample.value);
-      if (function.invisible(entry, entry)) continue;
+      if (std::isnan(entry) || function.invisible(entry, entry)) continue;
       const scene::Matter m = function.matter[function.nearest(entry)];
       if (!(m.extinction > 0.0f)) continue;
       scene::Shade<float> shade;

@@ -29,7 +29,7 @@ inline constexpr float kCoveredShare = 1.25f;
 /// The greatest or least value of what a sample stands for: no more than its node holds.
 GVX_HD inline float extreme_of(const FrameView& frame, std::uint32_t channel, ScalarSample sample,
                                ValueRange range) {
-  if (!(sample.deviation > 0.0f)) return sample.value;
+  if (!(sample.deviation > 0.0f) || std::isnan(sample.value)) return sample.value;
   const FrameView::Extreme& extreme = frame.extreme[channel];
   const float away = (sample.value - extreme.from) * extreme.per_span;
   const float deviation = sample.deviation * extreme.per_span;
@@ -38,12 +38,24 @@ GVX_HD inline float extreme_of(const FrameView& frame, std::uint32_t channel, Sc
   return std::fmax(std::fmin(value, range.maximum), range.minimum);
 }
 
-/// Takes in the same values `weight` times.
-GVX_HD inline void project(scene::Mode mode, RayState& state, std::uint32_t channel, float value,
-                           float weight) {
+/// Of means, how many ticks of the ray were no data; where there is no room for it, of three and four
+/// channels, that counts as 0.
+GVX_HD inline float* ticks_without_data(RayState& state, std::uint32_t channel, std::uint32_t channels) {
+  return channels <= 2 ? &gathered(state, channels + channel) : nullptr;
+}
+
+/// Takes in the same values `weight` times. What is no data is passed over.
+GVX_HD inline void project(const scene::Visibility& visibility, RayState& state, std::uint32_t channel,
+                           float value, float weight) {
+  const scene::Mode mode = visibility.mode;
   float& all = gathered(state, channel);
   if (mode == scene::Mode::mean) {
-    all += weight * value;
+    float* const without = ticks_without_data(state, channel, visibility.channels);
+    if (!std::isnan(value)) {
+      all += weight * value;
+    } else if (without != nullptr) {
+      *without += weight;
+    }
   } else if (state.samples == 0) {
     all = value;
   } else {
@@ -72,7 +84,7 @@ GVX_HD void project_stretch(const RayView& ray, const Stretch<Voxel, M>& s, RayS
     const float i = static_cast<float>(step);
     const float blend = s.blend_at(frame, i);
     for (std::uint32_t c = 0; c < frame.visibility.channels; ++c) {
-      project(frame.visibility.mode, state, c, value_of(c, i, blend), ticks);
+      project(frame.visibility, state, c, value_of(c, i, blend), ticks);
     }
     ++state.samples;
   }
@@ -82,7 +94,7 @@ GVX_HD inline void project_constant(const RayView& ray, const ChannelRanges& val
                                     std::int64_t steps, RayState& state) {
   const float ticks = static_cast<float>(stride * static_cast<double>(steps));
   for (std::uint32_t c = 0; c < ray.frame.visibility.channels; ++c) {
-    project(ray.frame.visibility.mode, state, c, values.channel[c].minimum, ticks);
+    project(ray.frame.visibility, state, c, values.channel[c].minimum, ticks);
   }
   ++state.samples;
 }
@@ -94,7 +106,13 @@ GVX_HD inline void finish_projection(const RayView& ray, float ticks, RayState& 
   float left = 1;
   for (std::uint32_t c = 0; state.samples > 0 && c < visibility.channels; ++c) {
     float value = gathered(state, c);
-    if (visibility.mode == scene::Mode::mean) value = value / ticks;
+    if (visibility.mode == scene::Mode::mean) {
+      const float* const without = ticks_without_data(state, c, visibility.channels);
+      const float with_data = without != nullptr ? ticks - *without : ticks;
+      // No step is shorter than a tick.
+      value = with_data > 0.5f || with_data == ticks ? value / with_data : NAN;
+    }
+    if (std::isnan(value)) continue;
     const scene::TransferView& function = visibility.functions[c];
     const scene::Matter m = function.at(function.entry_of(value));
     if (!(m.extinction > 0.0f)) continue;

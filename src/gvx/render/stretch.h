@@ -7,6 +7,7 @@
 /// of a ray join without gaps whatever nodes they are in.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "gvx/brick/brick_pool.h"
@@ -158,6 +159,14 @@ GVX_HD inline Vec3f gradient_at(const Stretch<Voxel, M>& s, std::uint32_t channe
     return brick::sample<M>(path.brick.plane(channel), path.at(i));
   });
   return gradient + s.noise_gradient(value, gradient, i);
+}
+
+/// The same, and none where it would be of what is no data.
+template <typename Voxel, int M>
+GVX_HD inline Vec3f gradient_or_none(const Stretch<Voxel, M>& s, std::uint32_t channel, float i,
+                                     float blend) {
+  const Vec3f gradient = gradient_at(s, channel, i, blend);
+  return std::isnan(gradient.x + gradient.y + gradient.z) ? Vec3f() : gradient;
 }
 
 /// A ray stops when no more than this is left to see: a quarter of a step of 8 bits.

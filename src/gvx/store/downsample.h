@@ -1,6 +1,7 @@
 /// \file
 /// One voxel of a level out of the n^3 below it: means and variances of scalars and their codes, the most
-/// frequent label, and colours that stay as opaque as what they stand for.
+/// frequent label, and colours that stay as opaque as what they stand for. A float that is NaN is no data: it
+/// takes no part, and what has nothing else below it is NaN too, its variance with it.
 #pragma once
 
 #include <algorithm>
@@ -19,17 +20,26 @@ struct Moments {
   double mean = 0, variance = 0;
 };
 
+/// Is it a float that is NaN?
+template <typename Voxel>
+bool is_no_data(Voxel value) {
+  if constexpr (std::is_same_v<Voxel, float>) return std::isnan(value);
+  return false;
+}
+
 /// Sums up voxels that each stand for equally many of the finest ones.
 template <typename Voxel>
 class MomentSum {
  public:
   void add(Voxel value, float variance) {
+    if (is_no_data(value)) return;
     sum_ += value;
     squares_ += static_cast<Square>(value) * value;
     variance_ += variance;
     ++count_;
   }
   Moments moments() const {
+    if (count_ == 0) return {NAN, NAN};
     const auto n = static_cast<double>(count_);
     const double mean = static_cast<double>(sum_) / n;
     return {mean, std::max(0.0, static_cast<double>(squares_) / n - mean * mean) + variance_ / n};
@@ -95,6 +105,18 @@ void average_eights(const Voxel* const (&row)[4], const float* const (*below)[4]
     }
   }
   for (std::int64_t x = 0; x < count; ++x) variances[x] = static_cast<float>(variance[x]);
+  if constexpr (std::is_same_v<Voxel, float>) {
+    for (std::int64_t x = 0; x < count; ++x) {
+      if (!std::isnan(sum[x])) continue;
+      MomentSum<Voxel> existing;
+      for (int r = 0; r < 4; ++r) {
+        for (std::int64_t i = 2 * x; i < 2 * x + 2; ++i)
+          existing.add(row[r][i], below != nullptr ? (*below)[r][i] : 0.0f);
+      }
+      means[x] = rounded<Voxel>(existing.moments().mean);
+      variances[x] = static_cast<float>(existing.moments().variance);
+    }
+  }
 }
 
 /// The unit for deviations up to `greatest`: it has the code's last exponent but one, so that rounding up
@@ -127,7 +149,23 @@ inline void sum_eights(const float* const (&row)[4], std::int64_t count, float* 
   std::copy_n(sum, count, sums);
 }
 
-/// The least and the greatest of many rows of voxels.
+/// The root of the mean of those of 2 x 2 x 2 variances that are not NaN, in columns a and b of four rows; 0
+/// where all are.
+inline float deviation_of_existing(const float* const (&row)[4], std::int64_t a, std::int64_t b) {
+  float sum = 0;
+  int count = 0;
+  for (const float* const numbers : row) {
+    for (const float number : {numbers[a], numbers[b]}) {
+      if (std::isnan(number)) continue;
+      sum += number;
+      ++count;
+    }
+  }
+  return count > 0 ? std::sqrt(sum / static_cast<float>(count)) : 0;
+}
+
+/// The least and the greatest of many rows of voxels, and whether any of them is no data. Where all are, the
+/// least is above the greatest.
 template <typename Voxel>
 class Extremes {
  public:
@@ -136,6 +174,7 @@ class Extremes {
       for (std::int64_t i = 0; i < count; ++i) {
         least_[0] = std::min<Voxel>(least_[0], row[i]);
         greatest_[0] = std::max<Voxel>(greatest_[0], row[i]);
+        any_no_data_ = any_no_data_ || is_no_data(row[i]);
       }
       return;
     }
@@ -153,6 +192,14 @@ class Extremes {
     return greatest;
   }
 
+  bool any_no_data() const {
+    bool any = any_no_data_;
+    if constexpr (std::is_same_v<Voxel, float>) {
+      for (int i = 0; i < kSide; ++i) any = any || unlike_itself_[i] != 0;
+    }
+    return any;
+  }
+
  private:
   // g++ and clang know vectors; of loops over bytes, which might be anything's, they make none.
   typedef Voxel Side __attribute__((vector_size(16)));
@@ -163,10 +210,13 @@ class Extremes {
     std::memcpy(&voxels, row, sizeof(voxels));
     least_ = voxels < least_ ? voxels : least_;
     greatest_ = voxels > greatest_ ? voxels : greatest_;
+    if constexpr (std::is_same_v<Voxel, float>) unlike_itself_ |= voxels != voxels;
   }
 
   Side least_ = std::numeric_limits<Voxel>::max() - Side{};
   Side greatest_ = std::numeric_limits<Voxel>::lowest() + Side{};
+  decltype(Side{} != Side{}) unlike_itself_{};
+  bool any_no_data_ = false;
 };
 
 /// The label that most of the first `count` have; of equally many the greatest, so that thin things outlive

@@ -120,6 +120,37 @@ void expect_deviations(std::uint32_t n, std::uint32_t m, Vec3i dimensions, doubl
   }
 }
 
+TEST(Downsample, eights_with_gaps_are_the_moments_of_what_exists) {
+  std::mt19937 random(8);
+  std::vector<float> rows[4], variances[4];
+  const std::int64_t count = kEights;
+  for (int r = 0; r < 4; ++r) {
+    for (std::int64_t i = 0; i < 2 * count; ++i) {
+      const bool gap = random() % 4 == 0 || i / 2 % 9 == 0;
+      rows[r].push_back(gap ? NAN : static_cast<float>(random() % 100));
+      variances[r].push_back(gap ? NAN : static_cast<float>(random() % 10));
+    }
+  }
+  const float* const row[4] = {rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data()};
+  const float* const below[4] = {variances[0].data(), variances[1].data(), variances[2].data(),
+                                 variances[3].data()};
+  float means[kEights], spread[kEights];
+  average_eights<float>(row, &below, count, means, spread);
+  for (std::int64_t x = 0; x < count; ++x) {
+    MomentSum<float> sum;
+    for (int r = 0; r < 4; ++r) {
+      for (std::int64_t i = 2 * x; i < 2 * x + 2; ++i)
+        sum.add(rows[r][std::size_t(i)], variances[r][std::size_t(i)]);
+    }
+    const Moments expected = sum.moments();
+    EXPECT_EQ(std::isnan(means[x]), std::isnan(expected.mean)) << x;
+    EXPECT_EQ(x % 9 == 0, std::isnan(means[x]) && std::isnan(spread[x])) << x;
+    if (std::isnan(expected.mean)) continue;
+    EXPECT_NEAR(means[x], expected.mean, 1e-4) << x;
+    EXPECT_NEAR(spread[x], expected.variance, 1e-2) << x;
+  }
+}
+
 TEST(Deviations, are_those_of_the_finest_voxels) {
   // Sizes that blocks divide: others weigh a block at the face like a full one. Means are rounded, by half of
   // one a level.

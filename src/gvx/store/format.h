@@ -20,6 +20,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,6 +45,10 @@ inline constexpr std::uint32_t kPageNodes = kPageEdge * kPageEdge * kPageEdge;
 
 /// Bins of a channel's histogram.
 inline constexpr std::size_t kHistogramBins = 1024;
+
+/// The range of no value: whatever it is joined with stays as it is.
+inline constexpr ValueRange kNoValues = {std::numeric_limits<float>::infinity(),
+                                         -std::numeric_limits<float>::infinity()};
 
 /// How bricks are compressed. The numbers are those of the file.
 enum class Codec : std::uint32_t { none = 0, zstd = 1, lz4 = 2 };
@@ -107,14 +112,21 @@ static_assert(sizeof(PageRef) == 16);
 
 /// What the index says of one node; record_layout.h says how it is stored. Its ranges hold the voxels of its
 /// brick, of all bricks below it, and of a rim of n voxels around each: so also whatever the coarser level,
-/// blended in, can show within the node. Colour voxels have the range of their opacity there, from 0.
+/// blended in, can show within the node. Colour voxels have the range of their opacity there, from 0. Where
+/// all voxels of a channel are no data, its range is kNoValues.
 struct NodeRecord {
   std::uint64_t offset;    ///< of its compressed brick in the file
-  std::uint32_t bytes;     ///< of its compressed brick; 0: all of the node is ranges.at_minimum()
+  std::uint32_t bytes;     ///< of its compressed brick; 0: all of the node is ranges.at_minimum(), or no data
   std::uint32_t checksum;  ///< of the compressed brick
   ChannelRanges ranges;
 
   bool constant() const { return bytes == 0; }
+  /// Are there values of none of the first `channels`?
+  bool no_data(std::uint32_t channels) const {
+    bool none = true;
+    for (std::uint32_t c = 0; c < channels; ++c) none = none && ranges.channel[c] == kNoValues;
+    return none;
+  }
 };
 
 /// a * b, or the greatest number there is: sizes that come from files may be absurd.
@@ -179,7 +191,7 @@ struct VolumeInfo {
   VoxelFormat format;
   Codec codec = Codec::zstd;
   std::uint32_t border = 1;  ///< voxels around a stored brick, on each side: 1 or 2
-  bool no_data = false;      ///< f32 voxels may be NaN: no data
+  bool no_data = false;      ///< f32 voxels may be NaN: no data, which is in no range or histogram
   /// Voxel space (voxel i covers [i, i+1]) to world space; millimetres, x right, y anterior, z superior if
   /// anatomical.
   Affine3 voxel_to_world;

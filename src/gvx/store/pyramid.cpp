@@ -22,10 +22,21 @@ std::size_t bricks_at_once(std::size_t brick_bytes) {
   return std::clamp(kBytes / brick_bytes, kLeast, kMost);
 }
 
-ChannelRanges nothing(std::uint32_t channels) {
+/// What is known of a node's voxels, of a rim of n around them, and of all nodes below with theirs.
+struct NodeSummary {
   ChannelRanges ranges;
-  for (std::uint32_t c = 0; c < channels; ++c) ranges.channel[c] = {INFINITY, -INFINITY};
-  return ranges;
+  bool gaps = false;  ///< some of them are no data
+
+  void include(const NodeSummary& other) {
+    ranges.include(other.ranges);
+    gaps = gaps || other.gaps;
+  }
+};
+
+NodeSummary nothing(std::uint32_t channels) {
+  NodeSummary summary;
+  for (std::uint32_t c = 0; c < channels; ++c) summary.ranges.channel[c] = kNoValues;
+  return summary;
 }
 
 }  // namespace
@@ -40,9 +51,9 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     std::vector<std::vector<float>> variances;
     std::int64_t slices = 0;  // that have come
     std::int64_t layers = 0;  // of bricks that were written
-    // Ranges of the children of this layer's nodes, joined, and of the next layer's: at the end of a volume
-    // children of both come before either is written. Layer z is at z % 2.
-    std::vector<ChannelRanges> below[2];
+    // Of the children of this layer's nodes, joined, and of the next layer's: at the end of a volume children
+    // of both come before either is written. Layer z is at z % 2.
+    std::vector<NodeSummary> below[2];
     std::vector<NodeRecord> records;  // of the current layer of pages
   };
 
@@ -350,6 +361,15 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
           }
         }
         for (std::int64_t h = 0; h < edge; ++h) row_deviations[h] = std::sqrt(row_deviations[h] / 8);
+        if constexpr (std::is_same_v<Voxel, float>) {
+          const bool shifted = x0 >= 0 && x0 + 2 * edge <= d.x;
+          for (std::int64_t h = 0; h < edge; ++h) {
+            if (!std::isnan(row_deviations[h])) continue;
+            std::int64_t xs[2] = {2 * h, 2 * h + 1};
+            if (!shifted) pair(x0 + 2 * h, d.x, xs);
+            row_deviations[h] = deviation_of_existing(rows, xs[0], xs[1]);
+          }
+        }
         for (std::int64_t h = 0; h < edge; ++h) greatest = std::max(greatest, row_deviations[h]);
         i += static_cast<std::size_t>(edge);
       }
@@ -361,23 +381,25 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     }
   }
 
-  /// The ranges of the node's own voxels and a rim of n around them.
-  ChannelRanges own_ranges(Level& level, std::int64_t nx, std::int64_t ny) {
+  /// Of the node's own voxels and a rim of n around them.
+  NodeSummary own_summary(Level& level, std::int64_t nx, std::int64_t ny) {
     const Vec3i d = level.dimensions, node(nx, ny, level.layers);
     Vec3i first, last;
     for (int axis = 0; axis < 3; ++axis) {
       first[axis] = std::max(node[axis] * m - n, std::int64_t(0));
       last[axis] = std::min((node[axis] + 1) * m + n, d[axis]);
     }
-    ChannelRanges ranges;
+    NodeSummary summary = nothing(format.channels());
     for (std::uint32_t c = 0; c < format.channels(); ++c) {
       Extremes<Voxel> extremes;
       for_each_row(range_plane(level, c), level, first, last,
                    [&](const Voxel* row) { extremes.add(row + first.x, last.x - first.x); });
       const Voxel least = extremes.least(), greatest = extremes.greatest();
-      ranges.channel[c] = {colored() ? 0 : static_cast<float>(least), static_cast<float>(greatest)};
+      summary.gaps = summary.gaps || extremes.any_no_data();
+      if (least > greatest) continue;
+      summary.ranges.channel[c] = {colored() ? 0 : static_cast<float>(least), static_cast<float>(greatest)};
     }
-    return ranges;
+    return summary;
   }
 
   /// Fills `brick` with all planes and deviations of a node.
@@ -396,15 +418,17 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     }
   }
 
-  /// The ranges of a node of the current layer, and its compressed brick; none where it is a constant.
-  void make_brick(Level& level, std::size_t node, const ChannelRanges& below, ChannelRanges& ranges,
+  /// What is known of a node of the current layer, and its compressed brick; none where it is a constant, or
+  /// no data.
+  void make_brick(Level& level, std::size_t node, const NodeSummary& below, NodeSummary& summary,
                   std::vector<std::byte>& compressed) {
     const auto nx = static_cast<std::int64_t>(node) % level.nodes.x,
                ny = static_cast<std::int64_t>(node) / level.nodes.x;
-    ranges = own_ranges(level, nx, ny);
-    ranges.include(below);
+    summary = own_summary(level, nx, ny);
+    summary.include(below);
     compressed.clear();
-    if (ranges.constant()) return;
+    const NodeRecord without_brick{0, 0, 0, summary.ranges};
+    if (summary.gaps ? without_brick.no_data(format.channels()) : summary.ranges.constant()) return;
     thread_local std::vector<std::byte> brick;
     brick.resize(info.brick_bytes(info.border));
     gather_brick(level, nx, ny, brick);
@@ -417,21 +441,21 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     const std::size_t count = below.size(), at_once = bricks_at_once(info.brick_bytes(info.border));
     std::vector<std::vector<std::byte>> compressed[2];
     for (auto& bricks : compressed) bricks.resize(std::min(count, at_once));
-    std::vector<ChannelRanges> ranges(count);
+    std::vector<NodeSummary> nodes(count);
     std::future<Status> appending;  // of one batch, while the next is made
     for (std::size_t first = 0; first < count; first += at_once) {
       const std::size_t batch = std::min(at_once, count - first);
       auto& bricks = compressed[first / at_once % 2];
       parallel(static_cast<std::int64_t>(batch), [&](std::int64_t i) {
         const auto brick = static_cast<std::size_t>(i);
-        make_brick(level, first + brick, below[first + brick], ranges[first + brick], bricks[brick]);
+        make_brick(level, first + brick, below[first + brick], nodes[first + brick], bricks[brick]);
       });
       if (appending.valid()) GVX_TRY(appending.get());
       appending = std::async(std::launch::async, [&, first, batch]() -> Status {
         for (std::size_t i = 0; i < batch; ++i) {
-          NodeRecord record{0, 0, 0, ranges[first + i]};
+          NodeRecord record{0, 0, 0, nodes[first + i].ranges};
           if (!bricks[i].empty()) {
-            GVX_ASSIGN(record, writer.add_brick(bricks[i], ranges[first + i]));
+            GVX_ASSIGN(record, writer.add_brick(bricks[i], nodes[first + i].ranges));
           }
           record_at(level, first + i) = record;
         }
@@ -439,7 +463,7 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
       });
     }
     GVX_TRY(appending.get());
-    pass_ranges_up(l, ranges);
+    pass_up(l, nodes);
     std::fill(below.begin(), below.end(), nothing(format.channels()));
     ++level.layers;
     if (level.layers % kPageEdge == 0 || level.layers == level.nodes.z) {
@@ -456,9 +480,10 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     return level.records[static_cast<std::size_t>((level.layers % kPageEdge * rows + y) * row + x)];
   }
 
-  void pass_ranges_up(std::uint32_t l, const std::vector<ChannelRanges>& ranges) {
+  void pass_up(std::uint32_t l, const std::vector<NodeSummary>& nodes) {
     if (l == 0) {
-      info.ranges = ranges[0];
+      info.ranges = nodes[0].ranges;
+      for (ValueRange& range : info.ranges.channel) range = range == kNoValues ? ValueRange{} : range;
       return;
     }
     Level& above = levels[l - 1];
@@ -468,7 +493,7 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
     for (std::int64_t y = 0; y < level.nodes.y; ++y) {
       for (std::int64_t x = 0; x < level.nodes.x; ++x) {
         above.below[above_layer % 2][static_cast<std::size_t>(y / n * above.nodes.x + x / n)].include(
-            ranges[static_cast<std::size_t>(y * level.nodes.x + x)]);
+            nodes[static_cast<std::size_t>(y * level.nodes.x + x)]);
       }
     }
   }
@@ -482,6 +507,7 @@ struct PyramidBuilder::Levels final : PyramidBuilder::Steps {
         sum.add(histograms[static_cast<std::size_t>(c * bands + band)]);
       }
       info.histograms.push_back(sum.bins(info.ranges.channel[c], kHistogramBins));
+      info.no_data = info.no_data || sum.any_no_data();
     }
     return writer.finish(info);
   }
@@ -507,7 +533,7 @@ std::uint64_t PyramidBuilder::window_bytes(const VolumeInfo& info) {
     bytes += d.x * d.y * (shape.m + 2 * shape.n) * static_cast<double>(number * format.planes);
     bytes += pages.x * pages.y * kPageNodes * sizeof(NodeRecord);
     const Vec3d nodes(shape.level_nodes(l));
-    bytes += nodes.x * nodes.y * 3 * sizeof(ChannelRanges);
+    bytes += nodes.x * nodes.y * 3 * sizeof(NodeSummary);
     // Two batches of compressed bricks, which may be as large as they were.
     if (l + 1 == shape.levels) {
       bytes += std::min(nodes.x * nodes.y, 2.0 * static_cast<double>(bricks_at_once(brick))) *

@@ -32,8 +32,8 @@ namespace gvx::store {
 /// threads.
 class PyramidBuilder {
  public:
-  /// `info` says the shape, voxel type, codec and all that the header keeps; its range and histogram are
-  /// found here.
+  /// `info` says the shape, voxel type, codec and all that the header keeps; its ranges and histograms, and
+  /// whether there is no_data, are found here.
   PyramidBuilder(const exec::Device& cpu, StoreWriter& writer, VolumeInfo info);
   ~PyramidBuilder();
 
@@ -42,7 +42,7 @@ class PyramidBuilder {
   static std::uint64_t window_bytes(const VolumeInfo& info);
 
   /// The next slices, dimensions.x * dimensions.y voxels each, the numbers of a voxel side by side. Voxels of
-  /// type f32 must be finite.
+  /// type f32 must be finite, or NaN for no data.
   Status push_slices(std::int64_t count, std::span<const std::byte> voxels);
 
   /// Checks that every slice has come, and finishes the writer.

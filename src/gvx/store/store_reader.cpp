@@ -98,7 +98,7 @@ Status StoreReader::read_metadata() {
 Result<NodeRecord> StoreReader::node(const NodeKey& key) const {
   GVX_ASSIGN(const NodeRecord record, index_->node(key));
   for (const ValueRange range : record.ranges.channel) {
-    if (!is_possible(range, info_.format.type)) {
+    if (!is_possible(range, info_.format.type) && !(info_.no_data && range == kNoValues)) {
       return file_.corrupt("the value range of " + node_name(key) + " is impossible");
     }
   }
@@ -120,7 +120,10 @@ Status StoreReader::read_brick(const NodeKey& key, const NodeRecord& record, std
       using Voxel = decltype(zero);
       auto* plane = reinterpret_cast<Voxel*>(voxels.data());
       for (std::uint32_t c = 0; c < format.channels(); ++c, plane += texels) {
-        std::fill(plane, plane + texels, static_cast<Voxel>(record.ranges.channel[c].minimum));
+        const float value = record.ranges.channel[c].minimum;
+        std::fill(plane, plane + texels,
+                  record.ranges.channel[c] == kNoValues ? std::numeric_limits<Voxel>::quiet_NaN()
+                                                        : static_cast<Voxel>(value));
       }
     });
     return {};

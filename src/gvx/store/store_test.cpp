@@ -24,7 +24,8 @@ double waves(std::int64_t x, std::int64_t y, std::int64_t z) {
   return 100 + 60 * std::sin(0.3 * double(x)) * std::cos(0.2 * double(y)) + double(z % 5);
 }
 
-/// The level above by definition: the mean of the n^3 voxels that exist, rounded as the store rounds.
+/// The level above by definition: the mean of the n^3 voxels that exist and are numbers, rounded as the store
+/// rounds.
 template <typename Voxel>
 TestVolume<Voxel> average(const TestVolume<Voxel>& fine, std::int64_t n) {
   const Vec3i d = (fine.dimensions + Vec3i(n - 1)) / Vec3i(n);
@@ -33,6 +34,7 @@ TestVolume<Voxel> average(const TestVolume<Voxel>& fine, std::int64_t n) {
     for (std::int64_t k = z * n; k < std::min(z * n + n, fine.dimensions.z); ++k) {
       for (std::int64_t j = y * n; j < std::min(y * n + n, fine.dimensions.y); ++j) {
         for (std::int64_t i = x * n; i < std::min(x * n + n, fine.dimensions.x); ++i) {
+          if (std::isnan(double(fine.at(i, j, k)))) continue;
           sum += double(fine.at(i, j, k));
           ++count;
         }
@@ -66,8 +68,12 @@ void expect_every_brick_right(const TestVolume<Voxel>& finest, const std::string
           for (std::int64_t k = -1; k <= edge; ++k) {
             for (std::int64_t j = -1; j <= edge; ++j) {
               for (std::int64_t h = -1; h <= edge; ++h, ++i) {
-                ASSERT_EQ(brick[i], level.at(x * edge + h, y * edge + j, z * edge + k))
-                    << l << ' ' << x << ' ' << y;
+                const Voxel expected = level.at(x * edge + h, y * edge + j, z * edge + k);
+                if (std::isnan(double(expected))) {
+                  ASSERT_TRUE(std::isnan(double(brick[i])));
+                  continue;
+                }
+                ASSERT_EQ(brick[i], expected) << l << ' ' << x << ' ' << y;
                 ASSERT_TRUE(record.ranges.channel[0].contains(static_cast<float>(brick[i])));
               }
             }
@@ -107,6 +113,41 @@ TEST_P(EveryShape, holds_every_level_of_an_f32_volume) {
   const std::string path = temporary("f32.gvx");
   ASSERT_TRUE(write_store(volume, path, n, m, Codec::lz4).ok());
   expect_every_brick_right(volume, path, n, m);
+}
+
+TEST_P(EveryShape, holds_every_level_of_a_volume_with_gaps) {
+  const auto [n, m] = GetParam();
+  std::mt19937 random(11);
+  // Some voxels of waves and of a flat part are no data, and one end of it is none at all.
+  const TestVolume<float> volume({133, 37, 53}, [&](auto x, auto y, auto z) {
+    return x > 90 || random() % 16 == 0 ? NAN : waves(x, y, z) - 300;
+  });
+  const std::string path = temporary("gaps.gvx");
+  ASSERT_TRUE(write_store(volume, path, n, m).ok());
+  expect_every_brick_right(volume, path, n, m);
+  const auto report = verify(exec::Device::cpu(), path, {});
+  EXPECT_TRUE(report.ok()) << report.error().message;
+  const VolumeInfo info = StoreReader::open(path).value()->info();
+  EXPECT_TRUE(info.no_data);
+  ValueRange range{INFINITY, -INFINITY};
+  std::uint64_t numbers = 0;
+  for (const float v : volume.voxels) {
+    if (std::isnan(v)) continue;
+    range.include({v, v});
+    ++numbers;
+  }
+  EXPECT_EQ(info.ranges.channel[0], range);
+  EXPECT_EQ(std::accumulate(info.histograms[0].begin(), info.histograms[0].end(), std::uint64_t(0)), numbers);
+}
+
+TEST(Store, holds_a_volume_without_any_data) {
+  const TestVolume<float> volume({40, 30, 20}, [](auto, auto, auto) { return NAN; });
+  const std::string path = temporary("no_data.gvx");
+  ASSERT_TRUE(write_store(volume, path, 2, 8).ok());
+  const auto report = verify(exec::Device::cpu(), path, {});
+  ASSERT_TRUE(report.ok()) << report.error().message;
+  EXPECT_EQ(report.value().bricks, 0u);
+  EXPECT_TRUE(StoreReader::open(path).value()->info().no_data);
 }
 
 TEST(Store, holds_volumes_of_one_voxel_and_of_one_line) {

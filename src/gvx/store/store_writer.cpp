@@ -125,8 +125,9 @@ Status StoreWriter::finish(const VolumeInfo& info) {
     const ValueRange range = info.ranges.channel[c];
     channels.push_back({{"range", {range.minimum, range.maximum}}, {"histogram", info.histograms.at(c)}});
   }
-  const nlohmann::json metadata = {
+  nlohmann::json metadata = {
       {"source", info.source}, {"anatomical", info.anatomical}, {"channels", channels}};
+  if (info.no_data) metadata["noData"] = true;
   const std::string text = metadata.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   GVX_TRY(add_section(kMetadataSection, 1, true, std::as_bytes(std::span(text))));
 

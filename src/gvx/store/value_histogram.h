@@ -1,5 +1,6 @@
 /// \file
-/// ValueHistogram counts voxels whose range is not known until all have come.
+/// ValueHistogram counts voxels whose range is not known until all have come. Floats that are NaN are no
+/// data.
 #pragma once
 
 #include <algorithm>
@@ -52,7 +53,7 @@ class ValueHistogram {
     std::vector<std::uint64_t> bins(count);
     const double least = range.minimum, width = range.maximum - least;
     for (std::size_t i = 0; i < fine_.size(); ++i) {
-      if (fine_[i] == 0) continue;
+      if (fine_[i] == 0 || !std::isfinite(fine_bin_value(i))) continue;
       const auto bin_of = [&](double value) {
         const double where = width > 0 ? (value - least) / width : 0;
         return std::clamp(where * static_cast<double>(count), 0.0, static_cast<double>(count));
@@ -73,6 +74,14 @@ class ValueHistogram {
       }
     }
     return bins;
+  }
+
+  /// Were any of the voxels no data?
+  bool any_no_data() const {
+    for (std::size_t i = 0; i < fine_.size(); ++i) {
+      if (fine_[i] != 0 && !std::isfinite(fine_bin_value(i))) return true;
+    }
+    return false;
   }
 
  private:

@@ -53,7 +53,8 @@ Status check_range(const StoreReader& reader, const NodeKey& key, const NodeReco
   if (!above.contains(record.ranges)) {
     return reader.file().corrupt("the range of " + node_name(key) + " is not within its parent's");
   }
-  if (record.constant() && !record.ranges.constant()) {
+  const bool has_range = !record.ranges.constant() && !record.no_data(reader.info().format.channels());
+  if (record.constant() && has_range) {
     return reader.file().corrupt(node_name(key) + " has a range but no brick");
   }
   return {};
@@ -81,14 +82,16 @@ Status check_node(const StoreReader& reader, const NodeKey& key, std::vector<std
   const VoxelFormat format = reader.info().format;
   const std::size_t texels = reader.info().texels(reader.info().border);
   const bool colored = format.content == VoxelContent::color || format.content == VoxelContent::color_normal;
+  const bool no_data = reader.info().no_data;
   const bool sound = with_voxel_type(format.type, [&](auto zero) {
     using Voxel = decltype(zero);
     const auto* plane = reinterpret_cast<const Voxel*>(voxels.data()) + (colored ? 3 * texels : 0);
     bool inside = true;
     for (std::uint32_t c = 0; c < format.channels(); ++c, plane += texels) {
       const ValueRange range = record.ranges.channel[c];
-      inside = inside && std::all_of(plane, plane + texels,
-                                     [&](Voxel v) { return range.contains(static_cast<float>(v)); });
+      inside = inside && std::all_of(plane, plane + texels, [&](Voxel v) {
+                 return range.contains(static_cast<float>(v)) || (no_data && v != v);
+               });
     }
     return inside;
   });
