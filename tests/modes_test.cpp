@@ -262,6 +262,11 @@ TEST(Modes, thin_bright_things_are_as_bright_from_afar) {
         EXPECT_GE(lit, 0.93 * lit_right) << what;
         std::printf("%-12s mean %.4f of %.4f, lit %.3f, %.1f dB, of many rays %.1f dB\n", what.c_str(),
                     mean_of(seen), mean_of(right), lit / lit_right, psnr(seen, right), psnr(fine, right));
+      }
+    }
+  }
+}
+
 /// Pictures of two scenes are alike, but within `least` to `most` along both axes, as shares of the picture.
 void expect_alike_but_within(const TestScene& a, const TestScene& b, double least, double most,
                              const std::string& what) {
