@@ -46,9 +46,10 @@ class Welder {
     }
   }
 
-  const Key& one_for(const Key& place) {
+  Vec3d one_for(const Key& place) {
     const auto found = std::lower_bound(places_.begin(), places_.end(), place);
-    return places_[root(static_cast<std::size_t>(found - places_.begin()))];
+    const Key& one = places_[root(static_cast<std::size_t>(found - places_.begin()))];
+    return {one[0], one[1], one[2]};
   }
 
  private:
@@ -84,16 +85,17 @@ class Welder {
 
 }  // namespace
 
-void EdgeSums::change(const Corners& corners, std::uint64_t times) {
-  for (std::size_t k = 0; k < 3; ++k) add_edge(key_of(corners[k]), key_of(corners[(k + 1) % 3]), times);
+void EdgeSums::add(const Corners& corners) {
+  for (std::size_t k = 0; k < 3; ++k) add_edge(corners[k], corners[(k + 1) % 3]);
 }
 
-void EdgeSums::add_edge(const Key& a, const Key& b, std::uint64_t times) {
-  if (a == b) return;
-  const std::array<std::uint64_t, 2> edge = hash_of_edge(a, b);
+void EdgeSums::add_edge(Vec3d a, Vec3d b) {
+  const Key from = key_of(a), to = key_of(b);
+  if (from == to) return;
+  const std::array<std::uint64_t, 2> edge = hash_of_edge(from, to);
   for (std::size_t i = 0; i < odd_.size(); ++i) {
     odd_[i] ^= edge[i];
-    ways_[i] += a < b ? times * edge[i] : 0 - times * edge[i];
+    ways_[i] += from < to ? edge[i] : 0 - edge[i];
   }
 }
 
@@ -151,7 +153,7 @@ void InsideJudge::weld(std::span<const std::array<Vec3d, 2>> open, double tolera
   for (const auto& [a, b] : open) places.insert(places.end(), {key_of(a), key_of(b)});
   Welder welder(std::move(places), tolerance);
   EdgeSums sums;
-  for (const auto& [a, b] : open) sums.add_edge(welder.one_for(key_of(a)), welder.one_for(key_of(b)), 1);
+  for (const auto& [a, b] : open) sums.add_edge(welder.one_for(key_of(a)), welder.one_for(key_of(b)));
   if (sums.balanced()) {
     welded_ = InsideRule::winding;
   } else if (sums.even()) {

@@ -30,9 +30,9 @@ class EdgeSums {
  public:
   using Corners = std::array<Vec3d, 3>;
 
-  void add(const Corners& corners) { change(corners, 1); }
-  /// Of one that was added.
-  void remove(const Corners& corners) { change(corners, UINT64_MAX); }
+  void add(const Corners& corners);
+  /// One that goes from a to b; none where both are one place.
+  void add_edge(Vec3d a, Vec3d b);
 
   /// Is every edge of an even number of triangles?
   bool even() const { return odd_[0] == 0 && odd_[1] == 0; }
@@ -40,19 +40,14 @@ class EdgeSums {
   bool balanced() const { return ways_[0] == 0 && ways_[1] == 0; }
 
  private:
-  void change(const Corners& corners, std::uint64_t times);
-
-  friend class InsideJudge;
-  void add_edge(const std::array<double, 3>& a, const std::array<double, 3>& b, std::uint64_t times);
-
   std::array<std::uint64_t, 2> odd_{}, ways_{};
 };
 
 /// An edge for comparison with others: by its places, whichever comes first.
 struct EdgeRecord {
   std::array<std::uint64_t, 2> key;
-  std::uint64_t
-      index;  ///< twice 3 * triangle + which of its edges, and one more where it goes from the lesser place
+  /// Twice (3 * triangle + which of its edges), and one more where it goes from the lesser place.
+  std::uint64_t index;
 
   /// Nothing where both places are one.
   static std::optional<EdgeRecord> of(Vec3d a, Vec3d b, std::uint64_t edge);
