@@ -195,7 +195,9 @@ TableSpan table_span(const TransferFunction& function, TableSpan outer, ValueSpa
   while (span.entries < wanted && span.entries < TransferView::kMostEntries) span.entries *= 2;
   // Of one value: its surroundings, so that a step there is one.
   if (!(span.last > span.first)) {
-    const double around = 1e-6 * std::abs(span.first);
+    // Entries of the farthest values are still numbers, as are their differences.
+    const double range = values.maximum - values.minimum;
+    const double around = std::max(1e-6 * std::abs(span.first), 1e-20 * (std::isfinite(range) ? range : 1));
     span = {span.first - around, span.first + around};
   }
   span.last = std::max(span.last, span.first + least_width * (span.entries - 1));
@@ -255,8 +257,8 @@ TransferTable bake(const TransferFunction& function, double scale, double offset
   constexpr int kParts =
       4;  // of the way between two entries, so that a step between them is integrated right
   const TableSpan outer = outer_span(function, values);
-  // Floats hold no more than 10^34 entries a value.
-  const TableSpan span = table_span(function, outer, values, 1e-34 * std::abs(scale));
+  // Floats hold no more than 10^38 entries a value.
+  const TableSpan span = table_span(function, outer, values, 1e-38 * std::abs(scale));
   const int entries = span.entries;
   const double first = span.first, width = span.width();
   TransferTable table;

@@ -261,17 +261,26 @@ TEST(TransferTable, below_a_step_at_the_first_point_is_what_the_first_point_says
 }
 
 TEST(TransferTable, values_of_any_size_have_entries) {
-  for (const double size : {1e-43, 1e-36, 1e-30, 1e-10, 1.0, 1e10, 1e30}) {
+  for (const double size : {1e-43, 1e-38, 1e-35, 1e-30, 1e-10, 1.0, 1e10, 1e30}) {
     const TransferFunction ramp = {{{0, {0, 0, 0}}, {2 * size, {1, 1, 1}}}, {{0, 0.5}}, 0};
     const TransferTable table = bake(ramp, 1, 0, 16, {0, 2 * size});
     const TransferView view = table.view();
     for (const double part : {0.0, 0.5, 1.0, 1.7, 2.0}) {
       const Matter m = view.at(view.entry_of(static_cast<float>(part * size)));
       ASSERT_TRUE(std::isfinite(m.color.x)) << size;
-      if (size >= 1e-30) {
+      if (size >= 1e-35) {
         EXPECT_NEAR(m.color.x / m.extinction, part / 2, 1e-3) << size;
       }
     }
+  }
+  // A step at 0, where all relative widths are 0.
+  for (const double size : {1e-30, 1.0, 1e5, 1e30}) {
+    const TransferTable table = bake({{{0, {1, 1, 1}}}, {{0, 0}, {0, 0.5}}, 0}, 1, 0, 16, {-size, size});
+    const TransferView view = table.view();
+    const auto end = static_cast<float>(size);
+    EXPECT_NEAR(view.mean(view.entry_of(0.5f * end), view.entry_of(end)).extinction, std::log(2.0), 1e-5);
+    EXPECT_EQ(view.mean(view.entry_of(-end), view.entry_of(-0.5f * end)).extinction, 0);
+    EXPECT_NEAR(view.mean(view.entry_of(-end), view.entry_of(end)).extinction, 0.5 * std::log(2.0), 1e-3);
   }
   // One point, and values that are one.
   for (const double value : {-3e30, -1e-30, 0.0, 7.0}) {
