@@ -61,6 +61,10 @@ Status check(const produce::TreeDescription& tree) {
 }  // namespace
 
 render::TreePlacement placement_of(const produce::TreeDescription& tree) {
+  ChannelRanges ranges = tree.ranges;
+  for (ValueRange& range : ranges.channel) {
+    range = {range.minimum - tree.beyond_ranges, range.maximum + tree.beyond_ranges};
+  }
   return {static_cast<int>(tree.n),
           static_cast<int>(tree.m),
           static_cast<int>(tree.max_level),
@@ -69,7 +73,7 @@ render::TreePlacement placement_of(const produce::TreeDescription& tree) {
           tree.extent,
           tree.scale,
           tree.offset,
-          tree.ranges};
+          ranges};
 }
 
 Result<std::unique_ptr<Engine>> Engine::create(const exec::Device& device,
@@ -104,7 +108,8 @@ Engine::Engine(const exec::Device& device, std::shared_ptr<const produce::Produc
 
 Status Engine::look(const render::View& asked) {
   render::View view = asked;
-  view.antialias = render::rays_along_pixel(asked, placement_of(producer_->description()));
+  view.subrays = render::subrays_of(asked, placement_of(producer_->description()));
+  view.antialias *= view.subrays;
   if (view_ && *view_ == view) return {};
   GVX_ASSIGN(auto frame, render::Frame::make(device_, view, placement_of(producer_->description()),
                                              frame_ ? &*frame_ : nullptr));

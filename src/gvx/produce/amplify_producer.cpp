@@ -58,7 +58,9 @@ AmplifyProducer::AmplifyProducer(std::shared_ptr<const Producer> volume, const A
       finest_(volume_->description().max_level),
       options_(options),
       description_(volume_->description()) {
-  noise_ = amplification(description_, options_).noise;
+  const AddedNoise noise = amplification(description_, options_);
+  noise_ = noise.noise;
+  description_.beyond_ranges += static_cast<float>(noise.most());
   description_.max_level += options_.levels;
   description_.bricks = 0;
   description_.exact_ranges = false;

@@ -32,6 +32,7 @@ struct TreeDescription {
   bool anatomical = false;             ///< world is millimetres: x right, y to the front, z up
   double scale = 1, offset = 0;        ///< physical value = scale * stored value + offset
   ChannelRanges ranges;                ///< of all stored values
+  float beyond_ranges = 0;             ///< how far voxels that are made may lie outside of these
   bool no_data = false;                ///< f32 voxels may be NaN: no data, which is transparent
   /// Of each channel's voxels, equal bins over its range; may be empty.
   std::vector<std::vector<std::uint64_t>> histograms;

@@ -136,21 +136,25 @@ void set_gradient_lengths(FrameView& v) {
 
 }  // namespace
 
-std::uint32_t rays_along_pixel(const View& view, const TreePlacement& placement) {
-  constexpr std::uint64_t kMostRays = std::uint64_t(1) << 24;
-  const std::uint32_t rays = 2 * view.antialias;
-  if (!scene::seeks_extreme(view.mode) || !view.level_of_detail || rays > View::kMostAntialias ||
-      std::uint64_t(view.width) * view.height * rays * rays > kMostRays) {
-    return view.antialias;
-  }
+std::uint32_t subrays_of(const View& view, const TreePlacement& placement) {
+  if (!scene::seeks_extreme(view.mode) || !view.level_of_detail) return 1;
+  const auto fits = [&](std::uint32_t subrays) {
+    constexpr std::uint64_t kMostRays = std::uint64_t(1) << 22;
+    const std::uint64_t rays = std::uint64_t(subrays) * view.antialias;
+    // Two have room for twice as many: a picture of 1920 x 1080 has them.
+    return rays <= View::kMostAntialias &&
+           view.width * rays * view.height * rays <= (subrays > 2 ? kMostRays : 2 * kMostRays);
+  };
+  std::uint32_t subrays = kMostSubrays;
+  while (subrays > 1 && !fits(subrays)) --subrays;
   const auto camera =
       scene::make_view(view.camera, view.width * view.antialias, view.height * view.antialias);
-  if (!camera.ok()) return view.antialias;  // Frame::make says what is wrong
+  if (!camera.ok()) return 1;  // Frame::make says what is wrong
   double cone = camera.value().pixel;
   if (!camera.value().orthographic) {
     cone *= farthest(placement.extent, placement.tree_to_world, view.camera.eye_world());
   }
-  return cone > view.detail * max_component(spacing_of(placement)) ? rays : view.antialias;
+  return cone > view.detail * max_component(spacing_of(placement)) ? subrays : 1;
 }
 
 Result<Frame> Frame::make(const exec::Device& device, const View& view, const TreePlacement& placement,
@@ -189,8 +193,12 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
     v.visibility.noise_fades = v.noise.fades;
   }
 
-  // Means hide the greatest values: these are sought a level further down.
-  const double detail = (scene::seeks_extreme(view.mode) ? 2 : 1) * view.detail;
+  // Means hide the greatest values: these are sought further down, a level or as far as the rays of a pixel
+  // reach between them.
+  const double finer = !scene::seeks_extreme(view.mode) ? 1
+                       : view.subrays > 1               ? double(kMostSubrays) / view.subrays
+                                                        : 2;
+  const double detail = finer * view.detail;
   double stride = 1;
   for (int level = placement.max_level; level >= 0; --level, stride *= placement.n) {
     v.stride[level] = stride;

@@ -188,11 +188,12 @@ struct FrameView {
   }
 };
 
-/// Rays along an axis of a pixel: as many as are asked for, or twice as many where the greatest or the least
-/// values are sought and pixels are so wide, somewhere in the volume, that levels would be blended: what is
-/// thin and bright lies between single rays. No more than View::kMostAntialias, nor for pictures so large
-/// that there would be more than 2^24.
-std::uint32_t rays_along_pixel(const View& view, const TreePlacement& placement);
+/// By how many each ray of a view is to be replaced, along an axis of a pixel (View::subrays). Where the
+/// greatest or the least values are sought and pixels are so wide, somewhere in the volume, that levels would
+/// be blended, what is thin and bright would lie between single rays: there it is kMostSubrays, or fewer
+/// where View::kMostAntialias or the size of the picture allows no more. Else 1.
+std::uint32_t subrays_of(const View& view, const TreePlacement& placement);
+inline constexpr std::uint32_t kMostSubrays = 4;
 
 /// Owns the tables behind a FrameView; frames of the same transfer functions share them.
 class Frame {

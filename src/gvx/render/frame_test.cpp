@@ -87,27 +87,29 @@ TEST(Frame, greatest_values_from_afar_take_more_rays) {
   const TreePlacement tree{2, 16, 5, {}, {}, {{0, 0, 0}, {1, 1, 1}}, 1, 0, {}};
   const auto rays = [&](double distance, auto change) {
     View view = simple_view();
+    view.width = view.height = 400;
     view.mode = scene::Mode::maximum;
     view.camera.eye.z = -distance;
     change(view);
-    return rays_along_pixel(view, tree);
+    return subrays_of(view, tree);
   };
   const auto as_it_is = [](View&) {};
-  // Pixels of two voxels at its farthest.
-  const double far = 100 / (2 * std::tan(15 * M_PI / 180)) * 2 / (16 * 32);
-  EXPECT_EQ(rays(far - 1.6, as_it_is), 1u);
-  EXPECT_EQ(rays(far, as_it_is), 2u);
-  EXPECT_EQ(rays(far, [](View& v) { v.mode = scene::Mode::minimum; }), 2u);
-  EXPECT_EQ(rays(far, [](View& v) { v.mode = scene::Mode::mean; }), 1u);
-  EXPECT_EQ(rays(far, [](View& v) { v.mode = scene::Mode::composite; }), 1u);
-  EXPECT_EQ(rays(far, [](View& v) { v.level_of_detail = false; }), 1u);
-  EXPECT_EQ(rays(far, [](View& v) { v.antialias = 4; }), 4u);
-  EXPECT_EQ(rays(4 * far, [](View& v) { v.antialias = 4; }), 4u);
-  EXPECT_EQ(rays(8 * far, [](View& v) { v.antialias = 4; }), 8u);
-  EXPECT_EQ(rays(80 * far, [](View& v) { v.antialias = 8; }), 8u);
-  EXPECT_EQ(rays(80 * far, [](View& v) { v.width = v.height = 4000; }), 1u);
-  EXPECT_EQ(rays(far, [](View& v) { v.camera.height_world = 0.3; }), 1u);
-  EXPECT_EQ(rays(far, [](View& v) { v.camera.height_world = 0.5; }), 2u);
+  // Pixels are two voxels wide 2.9 from the eye, or times the rays along one.
+  EXPECT_EQ(rays(1.5, as_it_is), 1u);
+  EXPECT_EQ(rays(3, as_it_is), 4u);
+  EXPECT_EQ(rays(3, [](View& v) { v.mode = scene::Mode::minimum; }), 4u);
+  EXPECT_EQ(rays(3, [](View& v) { v.mode = scene::Mode::mean; }), 1u);
+  EXPECT_EQ(rays(3, [](View& v) { v.mode = scene::Mode::composite; }), 1u);
+  EXPECT_EQ(rays(3, [](View& v) { v.level_of_detail = false; }), 1u);
+  EXPECT_EQ(rays(3, [](View& v) { v.camera.height_world = 1.5; }), 1u);
+  EXPECT_EQ(rays(3, [](View& v) { v.camera.height_world = 1.7; }), 4u);
+  // As many as a picture may have.
+  EXPECT_EQ(rays(4, [](View& v) { v.antialias = 2; }), 1u);
+  EXPECT_EQ(rays(70, [](View& v) { v.antialias = 2; }), 2u);
+  EXPECT_EQ(rays(70, [](View& v) { v.antialias = 8; }), 1u);
+  EXPECT_EQ(rays(70, [](View& v) { v.width = 640, v.height = 720; }), 3u);
+  EXPECT_EQ(rays(70, [](View& v) { v.width = 1920, v.height = 1080; }), 2u);
+  EXPECT_EQ(rays(70, [](View& v) { v.width = v.height = 4000; }), 1u);
 }
 
 TEST(Frame, a_negative_slope_turns_greatest_and_least_around) {

@@ -22,6 +22,8 @@ struct View {
   /// Rays along an axis of a pixel, 1 to 8: each a cone of its own share, so that levels are finer too.
   std::uint32_t antialias = 1;
   static constexpr std::uint32_t kMostAntialias = 8;
+  /// Of `antialias`, those that stand for one ray that was asked for: subrays_of() of frame.h says how many.
+  std::uint32_t subrays = 1;
   scene::Camera camera;
   scene::Mode mode = scene::Mode::composite;
   double isovalue = 0;  ///< physical; of isosurfaces

@@ -34,7 +34,8 @@ constexpr NumberRange kOctaves{1, 32, true};
 constexpr NumberRange kSeed{0, 4294967295.0, true};
 constexpr NumberRange kLength{1e-6, 1e6};
 constexpr NumberRange kStrength{0, 1000};
-constexpr std::array<const char*, 8> kTypes = {"u8", "i8", "u16", "i16", "u32", "i32", "f32", "f64"};
+constexpr std::array<const char*, 10> kTypes = {"u8",  "i8",  "u16", "i16", "u32",
+                                                "i32", "u64", "i64", "f32", "f64"};
 constexpr std::array<const char*, 2> kByteOrders = {"little", "big"};
 
 std::string item(const std::string& list, std::size_t i) {
