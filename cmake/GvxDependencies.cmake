@@ -17,11 +17,6 @@ if(NOT OpenEXR_FOUND)
   message(STATUS "gvx: OpenEXR not found: built without EXR pictures")
 endif()
 
-find_path(GVX_ASSIMP_INCLUDE assimp/Importer.hpp)         # libassimp-dev
-find_library(GVX_ASSIMP_LIBRARY assimp)
-if(NOT GVX_ASSIMP_INCLUDE OR NOT GVX_ASSIMP_LIBRARY)
-  message(STATUS "gvx: assimp not found: built without reading meshes")
-endif()
 find_path(GVX_EMBREE_INCLUDE embree3/rtcore.h)            # libembree-dev
 find_library(GVX_EMBREE_LIBRARY embree3)
 if(NOT GVX_EMBREE_INCLUDE OR NOT GVX_EMBREE_LIBRARY)

@@ -367,7 +367,7 @@ TEST_F(Outputs, what_is_not_used_is_said) {
   }
   file.close();
   const Outcome built = gvx("build n_4x4x4_float32.raw -o n.gvx > /dev/null");
-  EXPECT_NE(built.output.find("2 samples are not finite"), std::string::npos) << built.output;
+  EXPECT_NE(built.output.find("2 voxels have no value (NaN)"), std::string::npos) << built.output;
   EXPECT_EQ(gvx("render n_4x4x4_float32.raw -o a.png --size 8x8 --quiet").output, built.output);
 }
 

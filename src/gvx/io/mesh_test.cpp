@@ -154,7 +154,7 @@ std::string cube_as_obj(const Vec3d& origin, double size) {
   for (int i = 0; i < 8; ++i) text.append("v ").append(cube_place(i, origin, size)).append("\n");
   for (const auto& f : kCubeFaces) {
     text += "f";
-    for (const int v : f) text += " " + std::to_string(v + 1);
+    for (const int v : f) text.append(1, ' ').append(std::to_string(v + 1));
     text += "\n";
   }
   return text;

@@ -83,7 +83,7 @@ TEST(KernelProducer, makes_of_a_batch_what_it_makes_one_by_one) {
       std::vector<Job> jobs;
       for (std::uint64_t i = 0; i < 40; ++i) {
         jobs.push_back({some_node(i % 2 == 0 ? 3 : 5, i), JobKind::brick});
-        jobs.push_back({some_node(i % 5, i), JobKind::children});
+        jobs.push_back({some_node(static_cast<std::uint32_t>(i % 5), i), JobKind::children});
       }
       const std::vector<Produced> made = make(*producer, jobs);
       ASSERT_EQ(made.size(), jobs.size());
