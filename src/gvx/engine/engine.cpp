@@ -81,7 +81,8 @@ Result<std::unique_ptr<Engine>> Engine::create(const exec::Device& device,
                                                const EngineOptions& options) {
   GVX_TRY(render::check_processor());
   GVX_TRY(check(producer->description()));
-  GVX_TRY(render::check_kernels(device, producer->description().format.type));
+  GVX_TRY(render::check_kernels(device, producer->description().format.type, producer->description().n,
+                                producer->description().m));
   PoolSizes sizes;
   if (options.pools) {
     sizes = *options.pools;

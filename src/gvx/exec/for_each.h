@@ -64,6 +64,27 @@ void for_each(const Device& device, [[maybe_unused]] const char* name, std::size
   });
 }
 
+/// for_each_pixel on a CPU.
+template <typename Functor>
+bool for_each_pixel_on_cpu(const Device& cpu, TileGrid grid, BufferView<const std::uint32_t> tiles,
+                           Deadline deadline, Functor functor) {
+  std::atomic<bool> all_done{true};
+  parallel_for(cpu, tiles.size, [&](std::size_t t) {
+    const std::uint32_t x0 = tiles[t] % grid.tiles_x() * grid.tile,
+                        y0 = tiles[t] / grid.tiles_x() * grid.tile;
+    const std::uint32_t x1 = x0 + grid.tile < grid.width ? x0 + grid.tile : grid.width;
+    const std::uint32_t y1 = y0 + grid.tile < grid.height ? y0 + grid.tile : grid.height;
+    for (std::uint32_t y = y0; y < y1; ++y) {
+      if (late(deadline)) {
+        all_done.store(false, std::memory_order_relaxed);
+        return;
+      }
+      for (std::uint32_t x = x0; x < x1; ++x) functor(x, y);
+    }
+  });
+  return all_done.load();
+}
+
 /// Calls functor(x, y) for every pixel of the listed tiles, a tile at a time (on CUDA a thread block for each
 /// part of a tile), and waits. Rows of tiles that have not begun at the deadline are left out; returns
 /// whether all were done.
@@ -87,21 +108,7 @@ bool for_each_pixel(const Device& device, [[maybe_unused]] const char* name, Til
     return true;
   }
 #endif
-  std::atomic<bool> all_done{true};
-  parallel_for(device, tiles.size, [&](std::size_t t) {
-    const std::uint32_t x0 = tiles[t] % grid.tiles_x() * grid.tile,
-                        y0 = tiles[t] / grid.tiles_x() * grid.tile;
-    const std::uint32_t x1 = x0 + grid.tile < grid.width ? x0 + grid.tile : grid.width;
-    const std::uint32_t y1 = y0 + grid.tile < grid.height ? y0 + grid.tile : grid.height;
-    for (std::uint32_t y = y0; y < y1; ++y) {
-      if (late(deadline)) {
-        all_done.store(false, std::memory_order_relaxed);
-        return;
-      }
-      for (std::uint32_t x = x0; x < x1; ++x) functor(x, y);
-    }
-  });
-  return all_done.load();
+  return for_each_pixel_on_cpu(device, grid, tiles, deadline, functor);
 }
 
 }  // namespace gvx::exec

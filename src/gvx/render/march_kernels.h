@@ -52,12 +52,24 @@ struct MarchPreview {
   }
 };
 
+/// exec::for_each_pixel, where there are kernels for this N and M (GVX_CUDA_SHAPES); check_kernels() sees to
+/// it that no other comes to a GPU.
+template <int N, int M, typename Functor>
+bool for_each_ray(const exec::Device& device, const char* name, exec::TileGrid grid,
+                  exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, Functor functor) {
+  if constexpr (has_kernels(N, M)) {
+    return exec::for_each_pixel(device, name, grid, tiles, deadline, functor);
+  } else {
+    return exec::for_each_pixel_on_cpu(device, grid, tiles, deadline, functor);
+  }
+}
+
 template <typename Voxel>
 bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
                  exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
                  exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
   return with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
-    return exec::for_each_pixel(
+    return for_each_ray<N, M>(
         device, "march_exact", grid, tiles, deadline,
         MarchExact<Voxel, N, M>{view, grid, rays, unfinished, pass.epoch, pass.lone_ray});
   });
@@ -69,8 +81,8 @@ bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid 
                    std::uint32_t generation, exec::BufferView<const RayState> rays,
                    exec::BufferView<PreviewPixel> pixels) {
   return with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
-    return exec::for_each_pixel(device, "march_preview", grid, tiles, deadline,
-                                MarchPreview<Voxel, N, M>{view, block, generation, rays, pixels, pass.epoch});
+    return for_each_ray<N, M>(device, "march_preview", grid, tiles, deadline,
+                              MarchPreview<Voxel, N, M>{view, block, generation, rays, pixels, pass.epoch});
   });
 }
 

@@ -14,7 +14,7 @@ GVX_INSTANTIATE_MARCH(extern, float)
 
 }  // namespace kernels
 
-Status check_kernels(const exec::Device& device, VoxelType type) {
+Status check_kernels(const exec::Device& device, VoxelType type, std::uint32_t n, std::uint32_t m) {
   if (device.kind() == exec::DeviceKind::cpu) return {};
   // A type for which there are none was compiled for the CPU alone.
   bool there = false;
@@ -27,6 +27,11 @@ Status check_kernels(const exec::Device& device, VoxelType type) {
 #if defined(GVX_CUDA_f32)
   there = there || type == VoxelType::f32;
 #endif
+  if (there && !has_kernels(n, m)) {
+    return Error{
+        "this gvx was built with CUDA kernels for trees of N = 2 and M = 16 alone; build it with "
+        "-DGVX_CUDA_SHAPES=all"};
+  }
   if (there) return {};
   return Error{std::string("this gvx was built without CUDA kernels for voxels of ") + voxel_name(type) +
                "; build it with that type in GVX_CUDA_VOXELS"};

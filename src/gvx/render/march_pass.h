@@ -41,8 +41,17 @@ struct Pass {
   bool one_ray_at_a_time = false;
 };
 
-/// An error where this build has no kernels for such voxels on the device.
-Status check_kernels(const exec::Device& device, VoxelType type);
+/// Are there kernels for a GPU for trees of this n and m?
+constexpr bool has_kernels([[maybe_unused]] std::uint32_t n, [[maybe_unused]] std::uint32_t m) {
+#if defined(GVX_CUDA_ONE_SHAPE)
+  return n == 2 && m == 16;
+#else
+  return true;
+#endif
+}
+
+/// An error where this build has no kernels for such voxels, n and m on the device.
+Status check_kernels(const exec::Device& device, VoxelType type, std::uint32_t n, std::uint32_t m);
 
 /// Marches the exact rays of the listed tiles; sets unfinished[tile] = 1 where a ray of the tile is not
 /// finished. `unfinished` has an entry per tile of the grid. Returns whether no tile was
