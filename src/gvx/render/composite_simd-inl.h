@@ -12,6 +12,11 @@
 #define GVX_RENDER_COMPOSITE_SIMD_INL_H
 #endif
 
+// Before any of Highway.
+// clang-format off
+#include "gvx/render/simd_targets.h"
+// clang-format on
+
 #include <type_traits>
 
 #include <hwy/highway.h>

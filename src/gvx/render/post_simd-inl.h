@@ -11,6 +11,11 @@
 #define GVX_RENDER_POST_SIMD_INL_H
 #endif
 
+// Before any of Highway.
+// clang-format off
+#include "gvx/render/simd_targets.h"
+// clang-format on
+
 #include <bit>
 #include <type_traits>
 
