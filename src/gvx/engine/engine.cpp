@@ -216,8 +216,7 @@ render::Pass Engine::pass(const render::Frame& frame) {
   pass.number = stamp_;
   pass.lone_ray = lone_ray_;
   pass.cells = residency_.cell_masks();
-  // The vectors know no samples without data.
-  pass.one_ray_at_a_time = one_ray_at_a_time_ || producer_->description().no_data;
+  pass.one_ray_at_a_time = one_ray_at_a_time_;
   pass.epoch = film_->epoch();
   pass.blank_tiles = film_->blank_tiles();
   return pass;

@@ -30,7 +30,7 @@ struct Places {
 template <typename Voxel>
 class Channels {
  public:
-  static constexpr bool kWhole = std::is_integral_v<Voxel>;
+  static constexpr bool kWhole = std::is_integral_v<Voxel>, kLacks = kMayLack<Voxel>;
 
   HWY_INLINE Channels(const FrameView& frame, const Shading<kWhole>& lights, StretchBatch& batch,
                       std::size_t lane)
@@ -65,6 +65,7 @@ class Channels {
 
  private:
   using Path = StretchBatch::Path;
+  using Means = HWY_NAMESPACE::Means<false, kLacks>;
 
   struct Span {
     Float begin, end;  // in steps
@@ -84,6 +85,11 @@ class Channels {
     Vec3v gradient[kMaxChannels];
     Float blend;
   };
+
+  /// Those lanes of `mask` in which both are data.
+  HWY_INLINE static Mask of_data(const Place& a, const Place& b, Mask mask) {
+    return kLacks ? hn::AndNot(lack(a, b), mask) : mask;
+  }
 
   HWY_INLINE Mask going() const { return hn::Lt(opacity_, all(kOpaque)); }
   HWY_INLINE Float left() const { return hn::Sub(all(1), opacity_); }
@@ -109,10 +115,11 @@ class Channels {
       Float value = HWY_NAMESPACE::sample(texels(batch_.fine, c), edge_, p), deviates = hn::Zero(kFloats);
       if (batch_.fine.deviates) deviates = deviation_at(batch_.fine, c, p);
       if (batch_.blended) {
-        value = mix(value, HWY_NAMESPACE::sample(texels(batch_.coarse, c), edge_, q), blend);
+        value = blended<kLacks>(value, HWY_NAMESPACE::sample(texels(batch_.coarse, c), edge_, q), blend);
         deviates = mix(deviates, deviation_at(batch_.coarse, c, q), blend);
       }
-      places.channel[c] = {functions_[c].entry_of(value), functions_[c].to_entries(deviates)};
+      places.channel[c] = {entry_or_none<kLacks>(functions_[c].entry_of(value)),
+                           functions_[c].to_entries(deviates)};
     }
     samples_ = hn::Sub(samples_, hn::VecFromMask(kInts, hn::RebindMask(kInts, counted)));
   }
@@ -124,10 +131,12 @@ class Channels {
     span.extinction = span.longest = hn::Zero(kFloats);
     for (std::uint32_t c = 0; c < channels_; ++c) {
       const Place &a = from.channel[c], &b = to.channel[c];
-      span.variance3[c] = Means<false>::variance3(a, b);
-      span.matter[c] = Means<false>(functions_[c]).mean(a.entry, b.entry, span.variance3[c], mask);
+      const Mask has = of_data(a, b, mask);
+      span.variance3[c] = Means::variance3(a, b);
+      span.matter[c] = Means(functions_[c]).mean(a.entry, b.entry, span.variance3[c], has);
       span.extinction = hn::Add(span.extinction, span.matter[c].part[3]);
-      span.longest = hn::Max(span.longest, functions_[c].length(a.entry, b.entry));
+      const Float length = functions_[c].length(a.entry, b.entry);
+      span.longest = hn::Max(span.longest, kLacks ? hn::IfThenElseZero(has, length) : length);
     }
     return span;
   }
@@ -166,7 +175,7 @@ class Channels {
     Float factor[kMaxChannels], lit_at = centre;
     for (std::uint32_t c = 0; c < channels_; ++c) factor[c] = all(1);
     if (by_gradient_) {
-      lit_at = held_in_voxel(rays_.fine, centre, hn::Mul(all(0.5f), hn::Add(span.begin, span.end)));
+      lit_at = held_in_voxel<kLacks>(rays_.fine, centre, hn::Mul(all(0.5f), hn::Add(span.begin, span.end)));
       find_slopes(lit_at, slopes);
       for (std::uint32_t c = 0; c < channels_; ++c) {
         if (!functions_[c].by_gradient()) continue;
@@ -188,10 +197,11 @@ class Channels {
       Matter matter[kMaxChannels];
       for (std::uint32_t c = 0; c < channels_; ++c) {
         const Float a = from.channel[c].entry, b = to.channel[c].entry;
+        const Mask has = of_data(from.channel[c], to.channel[c], here);
         matter[c] = most > 1
-                        ? Means<false>(functions_[c])
+                        ? Means(functions_[c])
                               .mean(mix(a, b, at), hn::IfThenElse(hn::Lt(next, all(1)), mix(a, b, next), b),
-                                    span.variance3[c], here)
+                                    span.variance3[c], has)
                         : span.matter[c];
         for (Float& number : matter[c].part) number = hn::Mul(factor[c], number);
       }
@@ -205,7 +215,7 @@ class Channels {
       // Lit where it is seen: a surface may begin near the back end.
       const Mask some = hn::Gt(seen.total, zero);
       const Float place = hn::Div(seen.moment, hn::IfThenElse(some, seen.total, all(1)));
-      lit_at = held_in_voxel(rays_.fine, centre, hn::IfThenElse(some, place, centre));
+      lit_at = held_in_voxel<kLacks>(rays_.fine, centre, hn::IfThenElse(some, place, centre));
       find_slopes(lit_at, slopes);
     }
     add_lit(lit_at, slopes, seen);
@@ -235,10 +245,11 @@ class Channels {
     slopes.blend = blend_at(i);
     const Vec3v p = rays_.fine.at(i), q = rays_.coarse.at(i);
     for (std::uint32_t c = 0; c < channels_; ++c) {
-      slopes.gradient[c] = gradient(texels(batch_.fine, c), edge_, p);
-      if (!batch_.blended) continue;
-      slopes.gradient[c] =
-          mix(slopes.gradient[c], gradient(texels(batch_.coarse, c), edge_, q), slopes.blend);
+      Vec3v slope = gradient(texels(batch_.fine, c), edge_, p);
+      if (batch_.blended) {
+        slope = blended<kLacks>(slope, gradient(texels(batch_.coarse, c), edge_, q), slopes.blend);
+      }
+      slopes.gradient[c] = or_none<kLacks>(slope);
     }
   }
 

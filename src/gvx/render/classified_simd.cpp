@@ -69,7 +69,7 @@ class Labels {
     for (Triple& row : around.rows) {
       for (Float& texel : row.texel) texel = hn::IfThenElseZero(hn::Eq(texel, label), all(1));
     }
-    return around.gradient(held(p, edge_));
+    return around.gradient<false>(held(p, edge_));
   }
 
   const Function function_;

@@ -39,15 +39,29 @@ HWY_INLINE Mask no_lanes() {
   return hn::Lt(all(1), all(0));
 }
 
+/// The entry of what is no data: no other is so far out, and its square is a number.
+constexpr float kNoEntry = -1e18f;
+
 /// ScalarSample, in entries.
 struct Place {
   Float entry;
   Float deviation;
 };
+/// Of a value's entry, which is no number where that is no data.
+template <bool kLacks>
+HWY_INLINE Float entry_or_none(Float entry) {
+  if constexpr (!kLacks) return entry;
+  return hn::IfThenElse(is_no_data(entry), all(kNoEntry), entry);
+}
+/// Is either no data?
+HWY_INLINE Mask lack(const Place& a, const Place& b) {
+  return hn::Eq(hn::Min(a.entry, b.entry), all(kNoEntry));
+}
 
-/// EntryPath::mean along a ray's way through the function. kPlain: nothing deviates, so that what the table
-/// reads at a path's end serves for the next one's begin.
-template <bool kPlain>
+/// EntryPath::mean along a ray's way through the function, between ends that are data. kPlain: nothing
+/// deviates, so that what the table reads at a path's end serves for the next one's begin. kLacks: ends may
+/// be no data.
+template <bool kPlain, bool kLacks>
 class Means {
  public:
   HWY_INLINE explicit Means(const Function& function) : function_(&function) {}
@@ -60,7 +74,8 @@ class Means {
   HWY_INLINE Mask unseen(const Place& a, const Place& b) const {
     Float from = a.entry, to = b.entry;
     widen(variance3(a, b), from, to);
-    return function_->invisible(from, to);
+    const Mask invisible = function_->invisible(from, to);
+    return kLacks ? hn::Or(invisible, lack(a, b)) : invisible;
   }
 
   /// Of the lanes of `mask`; the others' matter is 0. Of a plain function paths must join.
@@ -226,7 +241,10 @@ struct Bricks {
         to_entry_scale(all(function.entries_per_value() * Samples::kUnit)),
         to_entry_offset(all(function.first_entry())) {}
 
-  HWY_INLINE Float entry_of(Float value) const { return hn::MulAdd(value, to_entry_scale, to_entry_offset); }
+  HWY_INLINE Float entry_of(Float value) const {
+    return entry_or_none<kMayLack<typename Layout::Voxel>>(
+        hn::MulAdd(value, to_entry_scale, to_entry_offset));
+  }
 
   const int edge;
   const BrickOf<Layout> fine, coarse;
@@ -239,7 +257,7 @@ struct Bricks {
 template <typename Layout, bool kPlain_>
 class Rays {
  public:
-  static constexpr bool kPlain = kPlain_;
+  static constexpr bool kPlain = kPlain_, kLacks = kMayLack<typename Layout::Voxel>;
 
   using Lights = Shading<std::is_integral_v<typename Layout::Voxel>>;
 
@@ -340,12 +358,13 @@ class Rays {
   }
 
   /// Place i of the steps with these centres, or the last on the way there that is in the centre's voxel.
-  HWY_INLINE Float held(Float centre, Float i) const { return held_in_voxel(fine_, centre, i); }
+  HWY_INLINE Float held(Float centre, Float i) const { return held_in_voxel<kLacks>(fine_, centre, i); }
   HWY_NOINLINE Slope slope_at(Float i) const {
     Slope slope{gradient(bricks_.fine.texels, bricks_.edge, fine_.at(i)), hn::Zero(kFloats)};
     if constexpr (!kPlain) {
       if (batch_.blended) blend_in(gradient(bricks_.coarse.texels, bricks_.edge, coarse_.at(i)), i, slope);
     }
+    slope.gradient = or_none<kLacks>(slope.gradient);
     return slope;
   }
 
@@ -360,10 +379,11 @@ class Rays {
     }
   }
   HWY_NOINLINE Slope slope_at(Float i, const Voxels& voxels) const {
-    Slope slope{voxels.fine.gradient(fine_.at(i)), hn::Zero(kFloats)};
+    Slope slope{voxels.fine.template gradient<kLacks>(fine_.at(i)), hn::Zero(kFloats)};
     if constexpr (!kPlain) {
-      if (batch_.blended) blend_in(voxels.coarse.gradient(coarse_.at(i)), i, slope);
+      if (batch_.blended) blend_in(voxels.coarse.template gradient<kLacks>(coarse_.at(i)), i, slope);
     }
+    slope.gradient = or_none<kLacks>(slope.gradient);
     return slope;
   }
   HWY_NOINLINE Float factor_of(const Slope& slope) const {
@@ -389,7 +409,7 @@ class Rays {
       CellSample coarse[1];
       bricks_.coarse.samples.find(coarse_texel, coarse);
       const Float blend = share_at(coarse_, i);
-      value = mix(value, coarse[0].value, blend);
+      value = blended<kLacks>(value, coarse[0].value, blend);
       deviates = mix(deviates, bricks_.coarse.deviation_at(coarse_texel[0]), blend);
     }
     return {bricks_.entry_of(value), bricks_.function.to_entries(deviates)};
@@ -405,7 +425,7 @@ class Rays {
 
   HWY_INLINE void blend_in(const Vec3v& coarse, Float i, Slope& slope) const {
     slope.blend = share_at(coarse_, i);
-    slope.gradient = mix(slope.gradient, coarse, slope.blend);
+    slope.gradient = blended<kLacks>(slope.gradient, coarse, slope.blend);
   }
 
   HWY_NOINLINE Shade shade_at(Float i, const Slope& slope) const {

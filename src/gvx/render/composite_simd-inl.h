@@ -35,7 +35,7 @@ namespace {
 template <typename RaysOf, int kVectors>
 class Stepping {
  public:
-  static constexpr bool kPlain = RaysOf::kPlain;
+  using Means = HWY_NAMESPACE::Means<RaysOf::kPlain, RaysOf::kLacks>;
 
   HWY_INLINE Stepping(StretchBatch& batch, const Function& function, RaysOf (&rays)[kVectors])
       : batch_(batch), function_(function), rays_(rays) {}
@@ -48,7 +48,7 @@ class Stepping {
     } else {
       begin();
     }
-    Means<kPlain> means[2] = {Means<kPlain>(function_), Means<kPlain>(function_)};
+    Means means[2] = {Means(function_), Means(function_)};
     while (true) {
       for (int k = 0; k < kVectors; ++k) {
         active_[k] = hn::And(hn::And(active_[k], hn::Lt(step_[k], rays_[k].end())), rays_[k].going());
@@ -62,7 +62,7 @@ class Stepping {
         if (some_visible) see_step(k, means[k], back[k], visible[k]);
         front_[k] = back[k];
         step_[k] = hn::Add(step_[k], all(1));
-        if (!some_visible) means[k] = Means<kPlain>(function_);
+        if (!some_visible) means[k] = Means(function_);
       }
     }
     for (int k = 0; k < kVectors; ++k) {
@@ -93,8 +93,7 @@ class Stepping {
   }
 
   /// Finds the places where the steps end, and which of them have something to see.
-  HWY_INLINE void look_ahead(const Means<kPlain> (&means)[2], Place (&back)[kVectors],
-                             Mask (&visible)[kVectors]) {
+  HWY_INLINE void look_ahead(const Means (&means)[2], Place (&back)[kVectors], Mask (&visible)[kVectors]) {
     Float end[kVectors];
     for (int k = 0; k < kVectors; ++k) end[k] = hn::Add(step_[k], all(0.5f));
     RaysOf::sample_all(rays_, end, back);
@@ -104,10 +103,10 @@ class Stepping {
     }
   }
 
-  HWY_INLINE void see_step(int k, Means<kPlain>& means, const Place& back, Mask visible) {
+  HWY_INLINE void see_step(int k, Means& means, const Place& back, Mask visible) {
     RaysOf& rays = rays_[k];
     const Place& front = front_[k];
-    const Float variance3 = Means<kPlain>::variance3(front, back);
+    const Float variance3 = Means::variance3(front, back);
     const Matter matter = means.mean(front.entry, back.entry, variance3, visible);
     const Float extinction = matter.part[3], units = all(batch_.units);
     visible = hn::And(visible, hn::Gt(extinction, hn::Zero(kFloats)));
@@ -148,7 +147,7 @@ class Stepping {
 template <typename RaysOf>
 class Cutting {
  public:
-  static constexpr bool kPlain = RaysOf::kPlain;
+  using Means = HWY_NAMESPACE::Means<RaysOf::kPlain, RaysOf::kLacks>;
 
   HWY_INLINE Cutting(StretchBatch& batch, const Function& function, RaysOf& rays)
       : batch_(batch), rays_(rays), means_(function) {}
@@ -160,8 +159,8 @@ class Cutting {
     centre_ = waited.first.x;
     Place from{waited.first.y, waited.first.z};
     const Place back{waited.fourth, waited.per_step.x};
-    Means<kPlain> ahead = means_;
-    const Matter whole = ahead.mean(from.entry, back.entry, Means<kPlain>::variance3(from, back), valid);
+    Means ahead = means_;
+    const Matter whole = ahead.mean(from.entry, back.entry, Means::variance3(from, back), valid);
     const Pieces cuts = rays_.cuts(whole.part[3], rays_.length(from, back));
     const Float front = hn::Sub(centre_, all(0.5f));
     const float most = cuts.most(valid);
@@ -188,8 +187,9 @@ class Cutting {
   HWY_NOINLINE void see_span(const Place& from, const Place& to, Float begin, Float end, Mask mask) {
     const Float length = hn::Sub(end, begin);
     Float units = hn::Mul(all(batch_.units), length);
-    const Float variance3 = Means<kPlain>::variance3(from, to);
-    Means<kPlain> ahead = means_;
+    const Float variance3 = Means::variance3(from, to);
+    Means ahead = means_;
+    if constexpr (RaysOf::kLacks) mask = hn::AndNot(lack(from, to), mask);
     const Matter whole = ahead.mean(from.entry, to.entry, variance3, mask);
     mask = hn::And(mask, hn::Gt(whole.part[3], hn::Zero(kFloats)));
     if (none(mask)) {
@@ -243,7 +243,7 @@ class Cutting {
 
   StretchBatch& batch_;
   RaysOf& rays_;
-  Means<kPlain> means_;
+  Means means_;
   Float centre_;
   bool has_voxels_ = false;
   typename RaysOf::Voxels voxels_;  // those of the centres

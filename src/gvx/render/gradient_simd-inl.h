@@ -26,6 +26,8 @@ namespace {
 /// value and in the difference of half a voxel to either side.
 struct ThreeTexels {
   Float of_value[3], of_difference[3];
+  Float off_centre;
+  Mask behind;  // the centre
 
   HWY_INLINE explicit ThreeTexels(Float in_voxel) {
     const Float zero = hn::Zero(kFloats), one = all(1);
@@ -33,6 +35,8 @@ struct ThreeTexels {
     of_value[0] = hn::Max(hn::Neg(from_centre), zero);
     of_value[1] = hn::Sub(one, hn::Abs(from_centre));
     of_value[2] = hn::Max(from_centre, zero);
+    off_centre = hn::Abs(from_centre);
+    behind = hn::Ge(from_centre, zero);
     of_difference[0] = hn::Sub(in_voxel, one);
     of_difference[1] = hn::Sub(one, hn::Add(in_voxel, in_voxel));
     of_difference[2] = in_voxel;
@@ -58,6 +62,12 @@ HWY_INLINE Triple gather_triple(const Voxel* texels, Int index) {
 
 HWY_INLINE Float weighted(const Float (&weight)[3], Float a, Float b, Float c) {
   return hn::MulAdd(weight[0], a, hn::MulAdd(weight[1], b, hn::Mul(weight[2], c)));
+}
+/// The value between three texels. Where these may be no data, that which weighs nothing is not looked at.
+template <bool kLacks>
+HWY_INLINE Float value_of(const ThreeTexels& at, Float a, Float b, Float c) {
+  if constexpr (!kLacks) return weighted(at.of_value, a, b, c);
+  return hn::MulAdd(at.of_value[1], b, hn::Mul(at.off_centre, hn::IfThenElse(at.behind, c, a)));
 }
 
 /// The texels of Around::rows, from the first on.
@@ -105,6 +115,7 @@ struct Around {
   }
 
   /// brick::gradient at a place in this voxel.
+  template <bool kLacks>
   HWY_INLINE Vec3v gradient(const Vec3v& p) const {
     const ThreeTexels x(hn::Sub(p.x, first.x)), y(hn::Sub(p.y, first.y)), z(hn::Sub(p.z, first.z));
     Float along_x[3], along_y[3], value[3];
@@ -112,15 +123,15 @@ struct Around {
       Float row_value[3], row_difference[3];
       for (int j = 0; j < 3; ++j) {
         const auto& t = rows[j + 3 * k].texel;
-        row_value[j] = weighted(x.of_value, t[0], t[1], t[2]);
+        row_value[j] = value_of<kLacks>(x, t[0], t[1], t[2]);
         row_difference[j] = weighted(x.of_difference, t[0], t[1], t[2]);
       }
-      value[k] = weighted(y.of_value, row_value[0], row_value[1], row_value[2]);
-      along_x[k] = weighted(y.of_value, row_difference[0], row_difference[1], row_difference[2]);
+      value[k] = value_of<kLacks>(y, row_value[0], row_value[1], row_value[2]);
+      along_x[k] = value_of<kLacks>(y, row_difference[0], row_difference[1], row_difference[2]);
       along_y[k] = weighted(y.of_difference, row_value[0], row_value[1], row_value[2]);
     }
-    return {weighted(z.of_value, along_x[0], along_x[1], along_x[2]),
-            weighted(z.of_value, along_y[0], along_y[1], along_y[2]),
+    return {value_of<kLacks>(z, along_x[0], along_x[1], along_x[2]),
+            value_of<kLacks>(z, along_y[0], along_y[1], along_y[2]),
             weighted(z.of_difference, value[0], value[1], value[2])};
   }
 
@@ -143,7 +154,7 @@ template <typename Texels>
 HWY_INLINE Vec3v gradient(const Texels& texels, int edge, const Vec3v& p) {
   Around around;
   around.read(texels, edge, p);
-  return around.gradient(held(p, edge));
+  return around.template gradient<!Texels::kWhole>(held(p, edge));
 }
 
 }  // namespace

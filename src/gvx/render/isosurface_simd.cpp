@@ -22,6 +22,8 @@ namespace {
 
 template <typename Voxel>
 class SurfaceFinder {
+  static constexpr bool kLacks = kMayLack<Voxel>;
+
  public:
   using Lights = Shading<std::is_integral_v<Voxel>>;
 
@@ -47,7 +49,8 @@ class SurfaceFinder {
       if (none(active)) break;
       const Float back = value_at(all(step + 0.5f));
       samples = hn::Sub(samples, hn::VecFromMask(kInts, hn::RebindMask(kInts, active)));
-      const Mask crossed = hn::And(active, hn::Xor(hn::Lt(front, zero), hn::Lt(back, zero)));
+      Mask crossed = hn::And(active, hn::Xor(hn::Lt(front, zero), hn::Lt(back, zero)));
+      if constexpr (kLacks) crossed = hn::AndNot(hn::Or(is_no_data(front), is_no_data(back)), crossed);
       step_found = hn::IfThenElse(crossed, all(step), step_found);
       front_found = hn::IfThenElse(crossed, front, front_found);
       back_found = hn::IfThenElse(crossed, back, back_found);
@@ -80,7 +83,7 @@ class SurfaceFinder {
     Float value = sample(PlainTexels<Voxel>(batch_.fine.brick), edge_, fine_.at(i));
     if (batch_.blended) {
       const Float coarse = sample(PlainTexels<Voxel>(batch_.coarse.brick), edge_, coarse_.at(i));
-      value = mix(value, coarse, blend_at(i));
+      value = blended<kLacks>(value, coarse, blend_at(i));
     }
     return hn::Sub(value, all(frame_.visibility.isovalue));
   }
@@ -97,6 +100,7 @@ class SurfaceFinder {
       i = hn::IfThenElse(mask, hn::MulAdd(hn::Sub(b, a), share, a), i);
       const Float value = value_at(i);
       mask = hn::And(mask, hn::Ne(value, zero));
+      if constexpr (kLacks) mask = hn::AndNot(is_no_data(value), mask);
       const Mask like_a = hn::Xor(hn::Lt(value, zero), hn::Lt(value_b, zero));
       const Mask to_a = hn::And(mask, like_a), to_b = hn::AndNot(like_a, mask);
       a = hn::IfThenElse(to_a, i, a);
@@ -114,13 +118,13 @@ class SurfaceFinder {
   HWY_INLINE Shade shade_at(Float centre, Float hit) const {
     const Float zero = hn::Zero(kFloats), one = all(1);
     if (!lights_.lit()) return {{one, one, one}, {zero, zero, zero}};
-    const Float lit = held_in_voxel(fine_, centre, hit);
+    const Float lit = held_in_voxel<kLacks>(fine_, centre, hit);
     Vec3v g = gradient(PlainTexels<Voxel>(batch_.fine.brick), edge_, fine_.at(lit));
     if (batch_.blended) {
       const Vec3v coarse = gradient(PlainTexels<Voxel>(batch_.coarse.brick), edge_, coarse_.at(lit));
-      const Float blend = blend_at(lit);
-      g = {mix(g.x, coarse.x, blend), mix(g.y, coarse.y, blend), mix(g.z, coarse.z, blend)};
+      g = blended<kLacks>(g, coarse, blend_at(lit));
     }
+    g = or_none<kLacks>(g);
     const Vec3v to_eye = lanes_.to_eye(batch_);
     typename Lights::FarHalves halves;
     lights_.find_halves(to_eye, halves);

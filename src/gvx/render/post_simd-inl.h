@@ -223,8 +223,11 @@ class Post {
     CellSample coarse[kVectors];
     coarse_samples.find(texel, coarse);
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
-      sample[k].value = mix(sample[k].value, coarse[k].value, blend[k]);
-      if constexpr (kIsLit) sample[k].gradient = mix(sample[k].gradient, coarse[k].gradient, blend[k]);
+      constexpr bool kLacks = !Texels::kWhole;
+      sample[k].value = blended<kLacks>(sample[k].value, coarse[k].value, blend[k]);
+      if constexpr (kIsLit) {
+        sample[k].gradient = blended<kLacks>(sample[k].gradient, coarse[k].gradient, blend[k]);
+      }
     }
   }
 
@@ -329,7 +332,7 @@ void post_of(const FrameView& frame, StretchBatch& batch) {
 template <typename Voxel>
 class Classified {
  public:
-  static constexpr bool kWhole = std::is_integral_v<Voxel>;
+  static constexpr bool kWhole = std::is_integral_v<Voxel>, kLacks = kMayLack<Voxel>;
 
   HWY_INLINE Classified(const FrameView& frame, const StretchBatch& batch)
       : visibility_(frame.visibility), batch_(batch), edge_(static_cast<int>(batch.m)) {}
@@ -342,9 +345,16 @@ class Classified {
     for (std::uint32_t c = 0; c < visibility_.channels; ++c) {
       const Function function(visibility_.functions[c]);
       const bool by_gradient = function.by_gradient();
-      const CellSample sample = sample_of(c, i, rays, blend, rays.lit() || by_gradient);
-      const Float entry = function.entry_of(sample.value);
-      Mask seen = hn::AndNot(function.invisible(entry, entry), active);
+      CellSample sample = sample_of(c, i, rays, blend, rays.lit() || by_gradient);
+      sample.gradient = or_none<kLacks>(sample.gradient);
+      Float entry = function.entry_of(sample.value);
+      Mask seen = active;
+      if constexpr (kLacks) {
+        const Mask has = hn::Eq(entry, entry);
+        entry = hn::IfThenElseZero(has, entry);
+        seen = hn::And(seen, has);
+      }
+      seen = hn::AndNot(function.invisible(entry, entry), seen);
       if (none(seen)) continue;
       const Matter m = function.nearest_matter(entry);
       seen = hn::And(seen, hn::Gt(m.part[3], zero));
@@ -381,8 +391,8 @@ class Classified {
     const Vec3v q[1] = {rays.coarse.at(i)};
     CellSample coarse[1] = {fine[0]};
     cell_samples(PlainTexels<Voxel>(batch_.coarse.brick + plane), edge_, q, with_gradient, coarse);
-    fine[0].value = mix(fine[0].value, coarse[0].value, blend);
-    fine[0].gradient = mix(fine[0].gradient, coarse[0].gradient, blend);
+    fine[0].value = blended<kLacks>(fine[0].value, coarse[0].value, blend);
+    fine[0].gradient = blended<kLacks>(fine[0].gradient, coarse[0].gradient, blend);
     return fine[0];
   }
 

@@ -1,6 +1,8 @@
 // project_batch: projection.h once more, with a ray in each lane of a vector. Compiled once for each
 // instruction set.
 
+#include <limits>
+
 #include "gvx/render/projection.h"
 #include "gvx/render/simd_targets.h"
 #include "gvx/render/stretch.h"
@@ -33,7 +35,8 @@ class Extremes {
   HWY_INLINE Float fine_deviation(const Vec3v& p) const { return deviation(fine_, p); }
   HWY_INLINE Float coarse_deviation(const Vec3v& p) const { return deviation(coarse_, p); }
 
-  /// extreme_of.
+  /// extreme_of; kLacks: of what may be no data.
+  template <bool kLacks>
   HWY_INLINE Float of(Float value, Float deviation) const {
     const Float per_span = all(extreme_.per_span);
     const Float away = hn::Mul(hn::Sub(value, all(extreme_.from)), per_span);
@@ -41,7 +44,9 @@ class Extremes {
     const Float squares = hn::MulAdd(away, away, hn::Mul(all(kCoveredShare), hn::Mul(share, share)));
     const Float extreme = hn::MulAdd(all(extreme_.span), hn::Sqrt(squares), all(extreme_.from));
     const Float held = hn::Max(hn::Min(extreme, all(range_.maximum)), all(range_.minimum));
-    return hn::IfThenElse(hn::Gt(deviation, hn::Zero(kFloats)), held, value);
+    Mask deviates = hn::Gt(deviation, hn::Zero(kFloats));
+    if constexpr (kLacks) deviates = hn::AndNot(is_no_data(value), deviates);
+    return hn::IfThenElse(deviates, held, value);
   }
 
  private:
@@ -62,18 +67,35 @@ class Extremes {
   const PlainDeviations fine_, coarse_;
 };
 
+/// Where greatest or least values are sought in what may be no data, what every value outdoes: so it begins,
+/// and stays where there is no data.
+template <scene::Mode kMode>
+HWY_INLINE Float outdone_by_all() {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  return all(kMode == scene::Mode::maximum ? -kInfinity : kInfinity);
+}
+
 /// One channel of the rays of two vectors, whose `gathered` it goes on from; `first`: nothing was gathered
-/// yet. kDeviates: coarse voxels stand for more than their mean.
+/// yet. Of means of what may be no data, `without` are the ticks that were none. kDeviates: coarse voxels
+/// stand for more than their mean.
 template <scene::Mode kMode, bool kDeviates, typename Texels>
 HWY_INLINE void project_channel(const FrameView& frame, const StretchBatch& batch, std::uint32_t channel,
                                 const BatchLanes (&lanes)[2], const Texels& fine, const Texels& coarse,
-                                const Mask (&first)[2], Float (&gathered)[2]) {
+                                const Mask (&first)[2], Float (&gathered)[2],
+                                [[maybe_unused]] Float (&without)[2]) {
+  constexpr bool kLacks = !Texels::kWhole, kMean = kMode == scene::Mode::mean;
   const Extremes extremes(frame, batch, channel);
   const int edge = static_cast<int>(batch.m);
   const Float ticks = all(static_cast<float>(frame.stride[batch.level]));
   const PathRows path[2] = {lanes[0].fine(batch), lanes[1].fine(batch)};
   const Float end[2] = {lanes[0].steps(path[0]), lanes[1].steps(path[1])};
   const float last = hn::GetLane(hn::MaxOfLanes(kFloats, hn::Max(end[0], end[1])));
+  if constexpr (kLacks && !kMean) {
+    for (int k = 0; k < 2; ++k) {
+      const Mask begins = hn::Or(first[k], is_no_data(gathered[k]));
+      gathered[k] = hn::IfThenElse(begins, outdone_by_all<kMode>(), gathered[k]);
+    }
+  }
   for (float step = 0; step < last; step += 1) {
     const Float i = all(step);
     for (int k = 0; k < 2; ++k) {
@@ -83,21 +105,37 @@ HWY_INLINE void project_channel(const FrameView& frame, const StretchBatch& batc
         const PathRows coarse_path = lanes[k].coarse(batch);
         const Float share = hn::MulAdd(i, coarse_path.eighth, coarse_path.fourth);
         const Float blend = hn::Min(hn::Max(share, hn::Zero(kFloats)), all(1));
-        value = mix(value, sample(coarse, edge, coarse_path.at(i)), blend);
+        value = blended<kLacks>(value, sample(coarse, edge, coarse_path.at(i)), blend);
         if constexpr (kDeviates) {
           deviation = mix(deviation, extremes.coarse_deviation(coarse_path.at(i)), blend);
         }
       }
-      if constexpr (kDeviates) value = extremes.of(value, deviation);
+      if constexpr (kDeviates) value = extremes.template of<kLacks>(value, deviation);
+      const Mask under_way = hn::Lt(i, end[k]);
       Float taken;
-      if constexpr (kMode == scene::Mode::mean) {
+      if constexpr (kLacks && kMean) {
+        const Mask lacks = is_no_data(value);
+        taken = hn::Add(gathered[k], hn::Mul(ticks, hn::IfThenZeroElse(lacks, value)));
+        without[k] = hn::Add(without[k], hn::IfThenElseZero(hn::And(under_way, lacks), ticks));
+      } else if constexpr (kLacks) {
+        // No comparison with what is no data holds.
+        const Mask more =
+            kMode == scene::Mode::maximum ? hn::Gt(value, gathered[k]) : hn::Lt(value, gathered[k]);
+        taken = hn::IfThenElse(more, value, gathered[k]);
+      } else if constexpr (kMean) {
         taken = hn::Add(gathered[k], hn::Mul(ticks, value));
       } else {
         const Mask begins = step == 0 ? first[k] : hn::Lt(end[k], hn::Zero(kFloats));
         taken = kMode == scene::Mode::maximum ? hn::Max(gathered[k], value) : hn::Min(gathered[k], value);
         taken = hn::IfThenElse(begins, value, taken);
       }
-      gathered[k] = hn::IfThenElse(hn::Lt(i, end[k]), taken, gathered[k]);
+      gathered[k] = hn::IfThenElse(under_way, taken, gathered[k]);
+    }
+  }
+  if constexpr (kLacks && !kMean) {
+    for (int k = 0; k < 2; ++k) {
+      const Mask none_yet = hn::Eq(gathered[k], outdone_by_all<kMode>());
+      gathered[k] = hn::IfThenElse(none_yet, all(std::numeric_limits<float>::quiet_NaN()), gathered[k]);
     }
   }
 }
@@ -122,13 +160,17 @@ void project_mode(const FrameView& frame, StretchBatch& batch) {
       first[k] = lanes[k].without_samples(batch);
       samples[k] = hn::ConvertTo(kInts, lanes[k].steps(lanes[k].fine(batch)));
     }
-    for (std::uint32_t c = 0; c < frame.visibility.channels; ++c) {
+    const std::uint32_t channels = frame.visibility.channels;
+    // ticks_without_data: there is room for those of two channels.
+    Float nowhere[2] = {hn::Zero(kFloats), hn::Zero(kFloats)};
+    for (std::uint32_t c = 0; c < channels; ++c) {
+      Float(&without)[2] = channels <= 2 ? gathered[channels + c] : nowhere;
       const PlainTexels<Voxel> fine(batch.fine.brick + c * plane_bytes);
       const PlainTexels<Voxel> coarse(batch.blended ? batch.coarse.brick + c * plane_bytes : nullptr);
       if (scene::seeks_extreme(kMode) && (batch.fine.deviates || batch.blended)) {
-        project_channel<kMode, true>(frame, batch, c, lanes, fine, coarse, first, gathered[c]);
+        project_channel<kMode, true>(frame, batch, c, lanes, fine, coarse, first, gathered[c], without);
       } else {
-        project_channel<kMode, false>(frame, batch, c, lanes, fine, coarse, first, gathered[c]);
+        project_channel<kMode, false>(frame, batch, c, lanes, fine, coarse, first, gathered[c], without);
       }
     }
     for (int k = 0; k < 2; ++k) {

@@ -43,6 +43,14 @@ HWY_INLINE bool none(Mask mask) {
   return hn::AllFalse(kFloats, mask);
 }
 
+/// May voxels be no data? That is NaN, with which the least and greatest of two numbers depend on their
+/// order, and on the instruction set: it is to be told by comparisons.
+template <typename Voxel>
+constexpr bool kMayLack = std::is_floating_point_v<Voxel>;
+HWY_INLINE Mask is_no_data(Float value) {
+  return hn::IsNaN(value);  // Ne is ordered on x86, and false
+}
+
 struct Vec3v {
   Float x, y, z;
 };
@@ -251,6 +259,27 @@ HWY_INLINE void store_rows(const Int numbers[4], const std::int32_t* offsets, st
 
 HWY_INLINE Float mix(Float a, Float b, Float weight) {
   return hn::MulAdd(weight, hn::Sub(b, a), a);
+}
+/// render::blended: where voxels may be no data, a coarse one without a share counts for nothing.
+template <bool kLacks>
+HWY_INLINE Float blended(Float fine, Float coarse, Float share) {
+  const Float both = mix(fine, coarse, share);
+  if constexpr (!kLacks) return both;
+  return hn::IfThenElse(hn::Gt(share, hn::Zero(kFloats)), both, fine);
+}
+template <bool kLacks>
+HWY_INLINE Vec3v blended(const Vec3v& fine, const Vec3v& coarse, Float share) {
+  return {blended<kLacks>(fine.x, coarse.x, share), blended<kLacks>(fine.y, coarse.y, share),
+          blended<kLacks>(fine.z, coarse.z, share)};
+}
+/// Of gradients, render::gradient_or_none.
+template <bool kLacks>
+HWY_INLINE Vec3v or_none(const Vec3v& gradient) {
+  if constexpr (!kLacks) return gradient;
+  const Float sum = hn::Add(hn::Add(gradient.x, gradient.y), gradient.z);
+  const Mask some = hn::Eq(sum, sum);
+  return {hn::IfThenElseZero(some, gradient.x), hn::IfThenElseZero(some, gradient.y),
+          hn::IfThenElseZero(some, gradient.z)};
 }
 
 /// The eight texels around a place: corner[x + 2 * (y + 2 * z)].

@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 #include "gvx/brick/brick_pool.h"
 #include "gvx/brick/sample.h"
@@ -31,6 +32,11 @@ struct RayView {
     return frame.lighting.shade<float>(gradient_world, certainty, to_eye, Vec3f(world.at(t)));
   }
 };
+
+/// Places that are held in a voxel stay so far from its faces, in voxels. Where voxels may be no data it
+/// counts on which side of a face a place is: that must not be a matter of rounding.
+template <typename Voxel>
+inline constexpr float kFromFaces = std::is_floating_point_v<Voxel> ? 1.0f / 1024 : 0.0f;
 
 /// Where steps are in one brick: in voxels from its low corner.
 template <typename Voxel, int M>
@@ -104,8 +110,8 @@ struct Stretch : StretchSteps {
     for (int axis = 0; axis < 3; ++axis) {
       if (way[axis] == 0) continue;
       const float low = std::floor(from[axis]);
-      const float to_face = way[axis] > 0 ? low + 1 - from[axis] : low - from[axis];
-      share = std::fmin(share, to_face / way[axis]);
+      const float to_face = way[axis] > 0 ? low + 1 - from[axis] : from[axis] - low;
+      share = std::fmin(share, std::fmax(to_face - kFromFaces<Voxel>, 0.0f) / std::fabs(way[axis]));
     }
     return centre + share * (i - centre);
   }

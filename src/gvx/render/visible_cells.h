@@ -5,6 +5,8 @@
 
 #include <cstdint>
 #include <cstring>
+#include <limits>
+#include <type_traits>
 
 #include "gvx/brick/brick_layout.h"
 #include "gvx/core/voxel.h"
@@ -14,7 +16,8 @@ namespace gvx::render {
 inline constexpr int kCellsAcross = 4;
 inline constexpr int kCells = kCellsAcross * kCellsAcross * kCellsAcross;
 
-/// Between which numbers the trilinear ones in each cell are, and those up to half a number beyond it.
+/// Between which numbers the trilinear ones in each cell are, and those up to half a number beyond it. NaN is
+/// passed over; of a cell of nothing else the least is the greater one.
 template <int M, typename Number>
 struct CellRanges {
   Number least[kCells], most[kCells];
@@ -27,8 +30,14 @@ struct CellRanges {
         // Of each column of texels along z and y, then of each cell along x: a cell's values come from its
         // own texels and one more on every side.
         Number low[Layout::kEdge], high[Layout::kEdge];
-        for (int x = 0; x < Layout::kEdge; ++x)
-          low[x] = high[x] = plane[Layout::offset(x, cy * kCell, cz * kCell)];
+        for (int x = 0; x < Layout::kEdge; ++x) {
+          if constexpr (std::is_floating_point_v<Number>) {
+            low[x] = std::numeric_limits<Number>::max();
+            high[x] = std::numeric_limits<Number>::lowest();
+          } else {
+            low[x] = high[x] = plane[Layout::offset(x, cy * kCell, cz * kCell)];
+          }
+        }
         for (int z = cz * kCell; z < (cz + 1) * kCell + 2; ++z) {
           for (int y = cy * kCell; y < (cy + 1) * kCell + 2; ++y) {
             const Number* row = plane + Layout::offset(0, y, z);
@@ -65,6 +74,8 @@ std::uint64_t visible_cells(const Voxel* plane, const std::uint8_t* deviations, 
   }
   std::uint64_t visible = 0;
   for (int cell = 0; cell < kCells; ++cell) {
+    // Of no values: no data, which cannot be seen.
+    if (values.most[cell] < values.least[cell]) continue;
     const ValueRange range{static_cast<float>(values.least[cell]), static_cast<float>(values.most[cell])};
     if (!hidden(range, deviation[cell])) visible |= std::uint64_t(1) << cell;
   }

@@ -55,6 +55,23 @@ TEST(VisibleCells, hold_all_values_that_can_be_seen) {
   expect_nothing_hidden<32>(false);
 }
 
+TEST(VisibleCells, pass_over_what_is_no_data) {
+  constexpr int kM = 16;
+  const auto cells_of = [](const std::vector<float>& plane) {
+    return visible_cells<kM>(plane.data(), nullptr,
+                             [](ValueRange values, float) { return values.maximum <= 0.5f; });
+  };
+  std::vector<float> plane(plane_texels(kM), NAN);
+  EXPECT_EQ(cells_of(plane), 0u);
+  // A single value, beside which there is no data: of the cell that it is in the middle of.
+  plane[static_cast<std::size_t>(brick::BrickLayout<kM>::offset(7, 11, 3))] = 1;
+  EXPECT_EQ(cells_of(plane), std::uint64_t(1) << (1 + 4 * (2 + 4 * 0)));
+  for (std::size_t i = 1; i < plane.size(); i += 2) plane[i] = 0.25f;
+  EXPECT_EQ(cells_of(plane), 0u);
+  for (std::size_t i = 1; i < plane.size(); i += 2) plane[i] = 1;
+  EXPECT_EQ(cells_of(plane), ~std::uint64_t(0));
+}
+
 TEST(VisibleCells, hold_all_deviations_that_can_be_seen) {
   expect_nothing_hidden<8>(true);
   expect_nothing_hidden<16>(true);
