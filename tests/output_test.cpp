@@ -274,7 +274,7 @@ TEST_F(Outputs, errors_come_before_a_volume_is_read) {
   expect_early("-o a.png --save-scene no/such/s", "--save-scene no/such/s: cannot create");
   expect_early("-o a.png --tf foo", "--tf foo: neither a file nor a preset (presets: ct-bone, ");
   expect_early("-o a.png --tf bad.json", "--tf bad.json: ");
-  expect_early("-o a.png --tf gray --tf gray", "--tf: 2 for a volume that takes 1");
+  expect_early("-o a.png --tf gray --tf gray", "--tf: 2 transfer functions for a volume that takes 1");
   expect_early("-o a.png --camera eye=1,2", "--camera: '2' has too few numbers");
   expect_early("-o a.png --camera 'eye=1,2,3;target=1,2,3'", "same point");
   expect_early("-o a.png --camera fov=190", "fov");
@@ -295,12 +295,12 @@ TEST_F(Outputs, errors_come_before_a_volume_is_read) {
   expect_early("-o a.png --gradient-opacity 1,2,3", "--gradient-opacity");
   expect_early("-o a.png --mode maximum --gradient-opacity 0,1", "only mode composite");
   expect_early("-o a.png --mode maximum --classification post", "classification");
-  expect_early("-o a.png --octaves 3", "octaves is nothing that this scene takes");
+  expect_early("-o a.png --octaves 3", "octaves does not apply to this scene");
   expect_error("build - --dims 1000,1000,1000000 --dtype f64 --type u8 -o no/such/a.gvx < /dev/zero",
                "no/such");
   put("s.json", R"({"volume": "-", "raw": {"dims": [1000, 1000, 1000000], "dtype": "u8"}, "function": "x"})");
   expect_error("render s.json -o a.png < /dev/zero", "functions[0]: ");
-  expect_error("render sponge --dims 3,3,3 -o a.png", "say nothing of it");
+  expect_error("render sponge --dims 3,3,3 -o a.png", "do not apply to a scene that is made");
   EXPECT_FALSE(fs::exists(path("a.png")));
 }
 

@@ -138,7 +138,7 @@ TEST_F(Program, renders_what_is_made) {
     EXPECT_GT(seen, 40) << scene;
     EXPECT_LT(seen, 40 * 30) << scene;
   }
-  expect_error("render sponge -o a.png --octaves 3", "octaves is nothing that this scene takes");
+  expect_error("render sponge -o a.png --octaves 3", "octaves does not apply to this scene");
   expect_error("render cloud -o a.png --octaves 99", "octaves");
   expect_error("render repeat:3:cloud -o a.png", "power of 2");
   expect_error("render repeat:sponge -o a.png", "trees of 2");
@@ -171,8 +171,7 @@ TEST_F(Program, shows_distances_in_the_march_as_densities_in_bricks) {
     std::printf("%s: %.1f dB\n", kind.c_str(), found);
     EXPECT_GE(found, least) << kind;
   }
-  expect_error("render solid-noise:pyramid.ply --in-march -o a.png",
-               "inMarch is nothing that this scene takes");
+  expect_error("render solid-noise:pyramid.ply --in-march -o a.png", "inMarch does not apply to this scene");
 }
 
 TEST_F(Program, builds_a_store_of_a_mesh) {
@@ -357,7 +356,7 @@ TEST_F(Program, bad_scenes_are_one_line_that_names_the_field) {
   expect_scene_error(R"({"volume": "ball.gvx", "mode": "isosurface"})",
                      "isovalue: mode isosurface needs one");
   expect_scene_error(R"({"volume": "ball.gvx", "functions": ["gray", "gray"]})",
-                     "2 for a volume that takes 1");
+                     "2 transfer functions for a volume that takes 1");
   expect_scene_error(R"({"volume": "ball.gvx", "function": "rainbow"})", "rainbow");
   expect_scene_error(R"({"volume": "ball.gvx", "camera": {"up": [0, 0, 0]}})", "up");
   expect_scene_error(R"({"volume": "ball.gvx", "cameraPath": [{"frame": 2}, {"frame": 1}]})", "key frame 2");
@@ -576,7 +575,7 @@ TEST_F(Program, a_mesh_of_nothing_is_an_error_that_leaves_nothing) {
       << R"({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_draco_mesh_compression"],
                                           "extensionsRequired": ["KHR_draco_mesh_compression"]})";
   for (const auto& [name, part] : {std::pair{"points.obj", "no triangle in it; not used: points"},
-                                   {"flat.obj", "without an area"},
+                                   {"flat.obj", "have no area"},
                                    {"nan.obj", "no finite numbers"},
                                    {"empty.stl", "no triangle"},
                                    {"needs.gltf", "KHR_draco_mesh_compression"}}) {

@@ -40,7 +40,7 @@ void print_built(const std::string& path, Vec3i d, std::uint64_t bytes) {
 Status build_from_mesh(const Options& o, const io::StoreBuildOptions& common) {
   const std::string& path = o.inputs.front();
   if (o.inputs.size() > 1)
-    return Error{path + ": one mesh makes a store; several files are channels of volumes"};
+    return Error{path + ": a store takes one mesh; several files are for the channels of a volume"};
   if (o.labels || !o.type.empty()) return Error{path + ": --labels and --type do not go with a mesh"};
   if (o.raw.given()) return RawFlags::refuse(path);
   GVX_ASSIGN(produce::MeshStoreOptions options, o.mesh.parse());
@@ -80,7 +80,7 @@ Status check_output(const Options& o, const io::RawOptions& raw) {
   GVX_TRY(check_is_file(output));
   std::error_code error;
   if (!o.force && std::filesystem::exists(o.output, error)) {
-    return Error{o.output + ": is there already (--force replaces it)"};
+    return Error{o.output + ": already exists (--force replaces it)"};
   }
   return {};
 }
@@ -120,10 +120,10 @@ Command add_build(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("build", "Build a .gvx store from a volume or mesh file");
   command
-      ->add_option("input", options->inputs,
-                   "RAW, NRRD, NIfTI or MetaImage file, or a mesh (PLY, OBJ, STL, glTF); - reads raw "
-                   "samples from a pipe; several files of one "
-                   "shape become the channels of one volume")
+      ->add_option(
+          "input", options->inputs,
+          "A RAW, NRRD, NIfTI or MetaImage file, or a mesh (PLY, OBJ, STL, glTF); - reads raw samples "
+          "from a pipe; several files of one shape become the channels of one volume")
       ->required()
       ->expected(1, 4);
   command->add_option("-o,--output", options->output, "The store to write, .gvx")->required();
@@ -138,16 +138,15 @@ Command add_build(CLI::App& program) {
       ->capture_default_str();
   command
       ->add_option("--type", options->type,
-                   "Type of the voxels; without it as narrow as keeps 8 and 16 bits, else f32")
+                   "Type of the voxels; without it u8 or u16 for samples of 8 or 16 bits, else f32")
       ->check(CLI::IsMember({"u8", "u16", "f32"}));
-  command->add_option("--memory", options->memory, "Bound of the memory that the build takes")
-      ->capture_default_str();
+  command->add_option("--memory", options->memory, "Most memory that the build takes")->capture_default_str();
   command->add_option("--threads", options->threads, "Threads; 0 takes all cores")
       ->check(CLI::Range(0, 1024));
   command->add_flag(
       "--labels", options->labels,
       "The numbers name classes: never averaged or blended, coarse levels take the most frequent");
-  command->add_flag("--force", options->force, "Replace OUT.gvx where it is there already");
+  command->add_flag("--force", options->force, "Replace the store if it exists");
   options->raw.add_to(*command);
   options->mesh.add_to(*command);
   return [options] { return build(*options); };

@@ -17,8 +17,7 @@ void MeshFlags::add_to(CLI::App& command) {
   command
       .add_option("--fill", fill_,
                   "solid: what a mesh encloses is opaque; shell: only its surface, one and a half voxels "
-                  "thick; without it "
-                  "solid where the mesh is closed")
+                  "thick; without it solid where the mesh is closed")
       ->check(CLI::IsMember({"solid", "shell"}))
       ->group(group);
 }
@@ -47,7 +46,7 @@ std::string mesh_notes(const produce::MeshSummary& summary, bool solid) {
   }
   if (solid && summary.inside == produce::InsideRule::parity) {
     notes.emplace_back(
-        "faces are not wound alike: filled by the even-odd rule, which leaves out what parts share");
+        "faces are not wound alike: filled by the even-odd rule, so what two parts share stays empty");
   }
   if (!summary.unused.empty()) {
     std::string list;

@@ -37,7 +37,7 @@ Status check_all_taken(const std::string& name, const scene::GenerateParts& part
                                    {parts.strength.has_value(), "strength"},
                                    {parts.thickness.has_value(), "thickness"},
                                    {parts.in_march.has_value(), "inMarch"}}) {
-    if (left) return Error{name + ": " + what + " is nothing that this scene takes"};
+    if (left) return Error{name + ": " + what + " does not apply to this scene"};
   }
   return {};
 }
@@ -232,8 +232,8 @@ bool RawFlags::given() const {
 }
 
 Error RawFlags::refuse(const std::string& path, const char* what) {
-  return Error{path + ": " + what +
-               ": --dims, --dtype, --endian, --components, --offset and --spacing say nothing of it"};
+  return Error{path + ": --dims, --dtype, --endian, --components, --offset and --spacing do not apply to " +
+               what};
 }
 
 Result<io::RawOptions> RawFlags::parse() const {

@@ -342,15 +342,17 @@ Command add_render(CLI::App& program) {
           "A .gvx store, a volume or mesh file (see gvx build), sponge, stored-sponge, cloud, cloud:MESH, "
           "terrain, hypertexture:MESH (or pseudo-mesh: ramp: blurred: solid-noise:), distance:MESH, "
           "axis-distance:MESH, repeat:SCENE, amplify:SCENE, or a scene file (.json), whose fields the flags "
-          "of "
-          "a scene override")
+          "override")
       ->required();
   command->add_option("-o,--output", o->output, "The picture to write, .png or .exr")->required();
-  CLI::Option* exact = command->add_flag("--exact", o->exact, "Until no ray lacks anything (the default)");
+  CLI::Option* exact =
+      command->add_flag("--exact", o->exact, "Render until no ray lacks anything (the default)");
   CLI::Option* budget =
       command->add_option("--budget", o->budget, "Render for this long instead, such as 33ms")
           ->excludes(exact);
-  command->add_option("--budget-frames", o->budget_frames, "As many such frames of the resting camera")
+  command
+      ->add_option("--budget-frames", o->budget_frames,
+                   "Render this many frames of the resting camera, each for that long")
       ->check(CLI::Range(1, 1000000))
       ->needs(budget);
   command
@@ -362,22 +364,25 @@ Command add_render(CLI::App& program) {
   command
       ->add_option(
           "--zoom", o->zoom,
-          "Without a camera path, frames come nearer to the target instead of an orbit: as many times "
-          "in all, by the same factor each")
+          "Without a camera path, come nearer to the target instead of an orbit: this many times in all, "
+          "by the same factor each frame")
       ->check(CLI::Range(1e-30, 1e30))
       ->needs("--frames");
-  command->add_option("--memory", o->memory, "Bound of the brick pool")->capture_default_str();
+  command->add_option("--memory", o->memory, "Most memory for bricks")->capture_default_str();
   command->add_option("--threads", o->threads, "Threads; 0 takes all cores")->check(CLI::Range(0, 1024));
   command->add_option("--device", o->device, "Where to render")
       ->check(CLI::IsMember({"cpu", "cuda"}))
       ->capture_default_str();
   command
-      ->add_option("--proxy", o->proxy,
-                   "Rays march between the first and the last place where they cross this closed mesh, "
-                   "which must hold all that is seen; nodes: one around the nodes that can be seen")
+      ->add_option(
+          "--proxy", o->proxy,
+          "A closed mesh around all that is seen: rays march only between the first and the last place "
+          "where they cross it; nodes: a mesh around the nodes that can be seen")
       ->check(not_empty());
   command->add_option("--stats", o->stats, "Write statistics to this JSON file")->check(not_empty());
-  command->add_option("--save-scene", o->save_scene, "Write the scene, flags and all, to this JSON file")
+  command
+      ->add_option("--save-scene", o->save_scene,
+                   "Write the scene, with all that flags say, to this JSON file")
       ->check(not_empty());
   command->add_flag("--quiet", o->quiet, "Print nothing but errors and warnings");
   o->flags.add_to(*command);

@@ -55,27 +55,27 @@ Result<scene::Light> parse_light(const std::string& text) {
 
 void SceneFlags::add_to(CLI::App& command) {
   const auto one_at_a_time = [](CLI::Option* option) { option->allow_extra_args(false)->check(not_empty()); };
-  command.add_option("--volume", volume_, "Instead of the one that a scene file names")->check(not_empty());
-  command.add_option("--size", size_, "Of the picture, WxH (1024x1024)")->check(not_empty());
+  command.add_option("--volume", volume_, "The volume, instead of the one that a scene file names")
+      ->check(not_empty());
+  command.add_option("--size", size_, "Size of the picture, WxH (1024x1024)")->check(not_empty());
   command.add_option("--antialias", antialias_, "Rays along an axis of a pixel, 1 to 8 (1)");
   command
       .add_option(
           "--camera", camera_,
           "eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees in world space, or height=world for an orthographic "
-          "one; parts that are left out are as without this flag: all of the scene framed, z up, or y where "
-          "the "
-          "view is along z")
+          "camera; parts that are left out frame all of the scene, with z up, or y where the view is along z")
       ->check(not_empty());
   one_at_a_time(command.add_option("--key-frame", key_frames_,
-                                   "NUMBER:CAMERA, the latter as for --camera; several make a camera path"));
-  command.add_option("--mode", mode_, "composite, maximum, minimum, mean or isosurface (composite)")
+                                   "NUMBER:CAMERA, with CAMERA as for --camera; several make a camera path"));
+  command.add_option("--mode", mode_, "What a ray shows of the values along it (composite)")
       ->check(CLI::IsMember(
           std::vector<std::string>(std::begin(scene::kModeNames), std::end(scene::kModeNames))));
-  command.add_option("--isovalue", isovalue_, "Physical, of an isosurface");
+  command.add_option("--isovalue", isovalue_, "Physical value of the isosurface");
   command
-      .add_option("--classification", classification_,
-                  "preintegrated: a step shows all values that it goes through; post: those at its centre, "
-                  "which is faster and can miss thin layers (preintegrated)")
+      .add_option(
+          "--classification", classification_,
+          "preintegrated: a step shows all values that it goes through; post: it shows the value at its "
+          "centre, which is faster and can miss thin layers (preintegrated)")
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(scene::kClassificationNames),
                                                      std::end(scene::kClassificationNames))));
   one_at_a_time(
@@ -112,7 +112,7 @@ void SceneFlags::add_to(CLI::App& command) {
 }
 
 void SceneFlags::add_generate_to(CLI::App& command) {
-  const char* group = "Scenes that are made (docs/scene-file.md says which take what)";
+  const char* group = "Scenes that are made (docs/made-scenes.md says which takes what)";
   const auto add = [&](const char* name, auto& value, const char* what) {
     command.add_option(name, value, what)->group(group);
   };
@@ -120,13 +120,13 @@ void SceneFlags::add_generate_to(CLI::App& command) {
   add("--resolution", generate_.resolution, "Voxels along the longest side of a mesh");
   add("--octaves", generate_.octaves, "Octaves of noise");
   add("--wavelength", generate_.wavelength, "Length of the noise's first wave, in the cube's sides");
-  add("--gain", generate_.gain, "How strong an octave of noise is, beside the one before");
-  add("--seed", generate_.seed, "Another seed is other noise");
+  add("--gain", generate_.gain, "How strong an octave of noise is, relative to the one before");
+  add("--seed", generate_.seed, "Seed of the noise");
   add("--strength", generate_.strength, "How strong the noise is");
   add("--thickness", generate_.thickness, "Thickness of the shell around a surface, in the cube's sides");
   command
       .add_flag("--in-march", in_march_,
-                "What noise makes, or distances show as, is made as rays march, not in bricks")
+                "Make noise, and densities from distances, as rays march, not in bricks")
       ->group(group);
 }
 

@@ -50,7 +50,8 @@ Status check_functions(const scene::SceneFile& scene, const SceneFlags& flags, c
   const std::size_t most = takes ? format.channels() : 0;
   if (scene.functions.size() > most) {
     return Error{std::string(flags.has_functions() ? "--tf" : "functions") + ": " +
-                 std::to_string(scene.functions.size()) + " for a volume that takes " + std::to_string(most)};
+                 std::to_string(scene.functions.size()) + " transfer functions for a volume that takes " +
+                 std::to_string(most)};
   }
   GVX_ASSIGN(const auto gradients, flags.gradients());
   if (!gradients.empty() && format.content != VoxelContent::scalar) {

@@ -186,7 +186,7 @@ const json& GltfFile::list(const char* name) const {
 Result<const json*> GltfFile::item(const char* list_name, std::uint64_t index) const {
   const json& all = list(list_name);
   if (index >= all.size() || !all[static_cast<std::size_t>(index)].is_object()) {
-    return error(std::string(list_name) + ": there is no number " + std::to_string(index));
+    return error(std::string(list_name) + ": there is no item " + std::to_string(index));
   }
   return &all[static_cast<std::size_t>(index)];
 }
@@ -197,7 +197,7 @@ Result<std::optional<std::uint64_t>> GltfFile::index_of(const json& object, cons
   // Some write whole numbers with a point.
   const double value = found->is_number() ? found->get<double>() : -1;
   if (!(value >= 0 && value <= 0x1p52 && value == std::floor(value))) {
-    return error(std::string(field) + ": not a whole number, 0 or more");
+    return error(std::string(field) + ": expected a whole number, 0 or more");
   }
   return std::optional(static_cast<std::uint64_t>(value));
 }
@@ -213,7 +213,7 @@ Result<std::optional<std::vector<double>>> GltfFile::numbers(const json& object,
     }
   }
   if (values.size() != count || found->size() != count) {
-    return error(std::string(field) + ": not " + std::to_string(count) + " numbers");
+    return error(std::string(field) + ": expected " + std::to_string(count) + " numbers");
   }
   return std::optional(std::move(values));
 }
@@ -239,8 +239,8 @@ Status GltfFile::load_buffers(std::string glb_buffer) {
     GVX_ASSIGN(const auto said, index_of(*buffer, "byteLength"));
     if (said.value_or(0) > bytes.size()) {
       const bool packed = names_extension("extensionsUsed", "EXT_meshopt_compression");
-      return error("buffers[" + std::to_string(i) + "]: " + std::to_string(*said) +
-                   " bytes by its byteLength, and " + std::to_string(bytes.size()) + " are there" +
+      return error("buffers[" + std::to_string(i) + "]: byteLength: expected " + std::to_string(*said) +
+                   " bytes, found " + std::to_string(bytes.size()) +
                    (packed ? "; EXT_meshopt_compression is not supported" : ""));
     }
     buffers_.push_back(std::move(bytes));
@@ -337,7 +337,7 @@ Status GltfFile::overlay_sparse(const json& sparse, std::uint64_t type, bool nor
   GVX_ASSIGN(const auto value_offset, index_of(*values, "byteOffset"));
   const std::uint64_t index_bytes = component_bytes(index_type.value_or(0)), bytes = component_bytes(type);
   if (index_bytes == 0 || index_type == 5126 || !index_view || !value_view) {
-    return error("a sparse accessor whose indices or values stand nowhere");
+    return error("a sparse accessor whose indices or values have no bufferView");
   }
   GVX_ASSIGN(const Elements where, elements(*index_view, index_offset.value_or(0), index_bytes, *count));
   GVX_ASSIGN(const Elements what,

@@ -178,7 +178,7 @@ Result<TriangleMesh> read_mesh(const std::string& path, MeshReport* report) {
 Error no_triangle(const std::string& path, std::uint64_t dropped) {
   if (dropped == 0) return Error{path + ": there is no triangle in it"};
   return Error{path + ": there is no triangle in it that covers anything; " + std::to_string(dropped) +
-               " are without an area or of vertices that are not there or no finite numbers"};
+               " have no area, or vertices that are missing or not finite"};
 }
 
 }  // namespace gvx::io

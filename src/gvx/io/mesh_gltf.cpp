@@ -75,7 +75,8 @@ class GltfReader {
       waiting.pop_back();
       GVX_ASSIGN(const json* node, file_.item("nodes", next.node));
       if (visited_[static_cast<std::size_t>(next.node)]) {
-        return file_.error("nodes[" + std::to_string(next.node) + "]: is the child of two nodes, or its own");
+        return file_.error("nodes[" + std::to_string(next.node) +
+                           "]: has two parents, or is its own ancestor");
       }
       visited_[static_cast<std::size_t>(next.node)] = true;
       GVX_ASSIGN(const Affine3 own, placement(*node));
@@ -92,7 +93,7 @@ class GltfReader {
  private:
   Status check_extensions() {
     for (const json& name : file_.list("extensionsRequired")) {
-      if (!name.is_string()) return file_.error("extensionsRequired: not names");
+      if (!name.is_string()) return file_.error("extensionsRequired: expected names");
       const auto& extension = name.get_ref<const std::string&>();
       if (!changes_no_shape(extension)) {
         return file_.error("requires the extension " + extension.substr(0, 60) + ", which is not supported");
@@ -107,7 +108,7 @@ class GltfReader {
   Result<std::vector<std::uint64_t>> indices_in(const json& object, const char* field) const {
     std::vector<std::uint64_t> indices;
     for (const json& index : list_in(object, field)) {
-      if (!index.is_number_unsigned()) return file_.error(std::string(field) + ": not indices");
+      if (!index.is_number_unsigned()) return file_.error(std::string(field) + ": expected indices");
       indices.push_back(index.get<std::uint64_t>());
     }
     return indices;
@@ -181,7 +182,7 @@ class GltfReader {
     GVX_ASSIGN(const auto position, file_.index_of(*attributes, "POSITION"));
     if (!position) return {};
     GVX_ASSIGN(const GltfFile::Numbers places, file_.accessor(*position));
-    if (places.components != 3) return file_.error("POSITION: not three numbers a vertex");
+    if (places.components != 3) return file_.error("POSITION: expected three numbers for each vertex");
     if (places.count() + first_ >= UINT32_MAX) return file_.error("has more vertices than 32 bits can count");
     GVX_ASSIGN(const std::optional<std::vector<double>> factor, base_color(primitive));
     GVX_ASSIGN(const auto color, file_.index_of(*attributes, "COLOR_0"));
@@ -189,7 +190,7 @@ class GltfReader {
     if (color) {
       GVX_ASSIGN(colors, file_.accessor(*color));
       if (colors.components < 3 || colors.count() != places.count()) {
-        return file_.error("COLOR_0: not three or four numbers for each vertex");
+        return file_.error("COLOR_0: expected three or four numbers for each vertex");
       }
     }
     GVX_TRY(add_vertices(places, color ? &colors : nullptr, factor, placed));
@@ -197,7 +198,7 @@ class GltfReader {
     GltfFile::Numbers order;
     if (indices) {
       GVX_ASSIGN(order, file_.accessor(*indices));
-      if (order.components != 1) return file_.error("indices: not one number each");
+      if (order.components != 1) return file_.error("indices: expected one number each");
     }
     GVX_TRY(add_triangles(mode, indices ? &order : nullptr, places.count(), determinant(placed) < 0));
     first_ += static_cast<std::uint32_t>(places.count());

@@ -38,7 +38,7 @@ Result<bool> next_line(TextScanner& in, std::string& text) {
   while (more && text.ends_with('\\')) {
     text.pop_back();
     GVX_ASSIGN(more, in.line(rest, kLongestLine));
-    if (text.size() + rest.size() > kLongestLine) return in.error("a line goes on for too long");
+    if (text.size() + rest.size() > kLongestLine) return in.error("a line is too long");
     text += ' ' + rest;
   }
   // Within a word it is none: some write 1.#INF.
@@ -131,7 +131,8 @@ class ObjReader {
     if (count < 3) return in.error("a vertex of fewer than three numbers: " + io::quoted(text_));
     for (std::size_t i = 0; i < count; ++i) {
       const auto number = parse_place(line[i + 1]);
-      if (!number && i < 3) return in.error("a vertex of what is no number: " + io::quoted(text_));
+      if (!number && i < 3)
+        return in.error("a vertex with something that is not a number: " + io::quoted(text_));
       numbers[i] = number.value_or(0);
     }
     if (++so_far_ >= UINT32_MAX) return in.error("has more vertices than 32 bits can count");
@@ -191,7 +192,7 @@ class ObjReader {
     for (std::size_t i = 1; i < line.size(); ++i) {
       // What is behind a slash says texture coordinates and normals.
       const auto index = parse_integer(line[i].substr(0, line[i].find('/')));
-      if (!index) return in.error("a face of what is no vertex: " + io::quoted(text_));
+      if (!index) return in.error("a face with something that is not an index: " + io::quoted(text_));
       // From 1, or backwards from the last that came.
       const std::int64_t vertex = *index > 0 ? *index - 1 : static_cast<std::int64_t>(so_far_) + *index;
       const bool there = *index != 0 && vertex >= 0 && vertex < static_cast<std::int64_t>(vertices_);

@@ -340,7 +340,7 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reade
   info.scale = keeps_numbers ? 1 : d.scale * conversion->unit;
   info.offset = keeps_numbers ? 0 : d.offset + d.scale * conversion->bias;
   if (!std::isnormal(info.scale) || !std::isfinite(info.offset)) {
-    return Error{d.path + ": value scale: expected physical values that doubles hold"};
+    return Error{d.path + ": value scale: expected physical values that a double can hold"};
   }
 
   ConversionAccount account;

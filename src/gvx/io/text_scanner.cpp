@@ -83,7 +83,8 @@ Result<std::string_view> TextScanner::word(std::size_t most) {
         if (!word_.empty()) return std::string_view(word_);
         continue;
       }
-      if (word_.size() == most) return error(io::quoted(word_) + " is a word without an end");
+      if (word_.size() == most)
+        return error(io::quoted(word_) + " begins a word of more than " + std::to_string(most) + " bytes");
       word_.push_back(static_cast<char>(byte));
     }
   }
@@ -93,7 +94,7 @@ Result<double> TextScanner::number() {
   GVX_ASSIGN(const std::string_view text, word(64));
   if (text.empty()) return error("ends early");
   const auto value = parse_number(text);
-  if (!value) return error(io::quoted(text) + " is no number");
+  if (!value) return error(io::quoted(text) + " is not a number");
   return *value;
 }
 

@@ -139,8 +139,9 @@ Result<StoreHeader> read_header(const StoreFile& file) {
                         std::to_string(header.file_bytes) + " expected");
   }
   if ((header.flags & ~kNoData) != 0) {
-    return Error{file.path() + ": made by a newer gvx: the header's flags " + std::to_string(header.flags) +
-                 " say what this program does not know"};
+    return Error{file.path() +
+                 ": made by a newer gvx: the header has flags that this program does not know (" +
+                 std::to_string(header.flags) + ")"};
   }
   if (const std::string field = wrong_field(header); !field.empty()) {
     return file.corrupt("the header's " + field + " is not one that gvx writes");

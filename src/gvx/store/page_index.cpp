@@ -30,7 +30,7 @@ Result<RecordLayout> read_layout(const StoreFile& file, const StoreHeader& heade
   GVX_ASSIGN(const auto bytes, read_section(file, section));
   std::vector<RecordField> fields(bytes.size() / sizeof(RecordField));
   if (fields.size() * sizeof(RecordField) != bytes.size()) {
-    return file.corrupt("section \"" + section.name + "\" is no whole number of fields");
+    return file.corrupt("section \"" + section.name + "\" does not hold a whole number of fields");
   }
   std::memcpy(fields.data(), bytes.data(), bytes.size());
   return RecordLayout::parse(file, fields, header.record_bytes, header.info.format);
@@ -94,7 +94,7 @@ Result<Page> PageIndex::load(const PageRef& ref, std::uint32_t level, std::uint3
     const std::size_t count = ref.one_record() ? 1 : kPageNodes, raw = element * count;
     const std::uint32_t stored = ref.stored_bytes();
     if (ref.one_record() ? stored != raw : stored > 2 * raw) {
-      return wrong(std::to_string(stored) + " bytes are not a page's");
+      return wrong(std::to_string(stored) + " bytes cannot be a page");
     }
     if (!file_.has(ref.offset, stored)) return wrong("not within the file");
     std::vector<std::byte> compressed(stored);
@@ -139,7 +139,7 @@ Result<NodeRecord> PageIndex::node(const NodeKey& key) const {
   const NodeRecord node = layout_.decode(found.bytes);
   // One brick cannot be that of many nodes.
   if (found.of_many && !node.constant()) {
-    return file_.corrupt("the one record of many nodes, of " + node_name(key) + ", has a brick");
+    return file_.corrupt("the record of " + node_name(key) + " stands for many nodes but has a brick");
   }
   return node;
 }

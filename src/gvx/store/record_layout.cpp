@@ -50,7 +50,7 @@ Result<RecordLayout> RecordLayout::parse(const StoreFile& file, std::span<const 
   for (const RecordField& f : fields) {
     const std::string name = name_of(f.name);
     const auto kind = static_cast<FieldKind>(f.kind);
-    if (name.empty()) return file.corrupt("a field of the node records has no name of printable letters");
+    if (name.empty()) return file.corrupt("a field of the node records has no printable name");
     if (!names.insert(name).second) return file.corrupt("node records have two fields \"" + name + "\"");
     if (f.offset < end || f.offset > record_bytes || f.bytes > record_bytes - f.offset) {
       return file.corrupt("field \"" + name + "\" of the node records is not within its record");

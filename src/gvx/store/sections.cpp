@@ -48,7 +48,7 @@ Result<std::vector<Section>> parse_sections(const StoreFile& file, std::span<con
   for (const SectionEntry& entry : table) {
     const std::string name = name_of(entry.name);
     if (name.empty()) {
-      return file.corrupt("section " + std::to_string(sections.size()) + " has no name of printable letters");
+      return file.corrupt("section " + std::to_string(sections.size()) + " has no printable name");
     }
     if (!names.insert(name).second) return file.corrupt("there are two sections \"" + name + "\"");
     if (entry.offset < header_bytes || !file.has(entry.offset, entry.bytes)) {

@@ -110,8 +110,8 @@ Status StoreReader::read_brick(const NodeKey& key, const NodeRecord& record, std
   const VoxelFormat format = info_.format;
   GVX_CHECK(voxels.size() == info_.brick_bytes(border));
   if (border > info_.border) {
-    return Error{path() + ": its bricks have a border of " + std::to_string(info_.border) + "; one of " +
-                 std::to_string(border) + " is asked for: build the store again with it"};
+    return Error{path() + ": its bricks have a border of " + std::to_string(info_.border) + ", but one of " +
+                 std::to_string(border) + " is needed: build the store again"};
   }
   const std::size_t texels = info_.texels(border), stored_texels = info_.texels(info_.border);
   if (record.constant()) {
