@@ -575,8 +575,8 @@ TEST_F(Program, a_mesh_of_nothing_is_an_error_that_leaves_nothing) {
       << R"({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_draco_mesh_compression"],
                                           "extensionsRequired": ["KHR_draco_mesh_compression"]})";
   for (const auto& [name, part] : {std::pair{"points.obj", "no triangle in it; not used: points"},
-                                   {"flat.obj", "have no area"},
-                                   {"nan.obj", "no finite numbers"},
+                                   {"flat.obj", "without an area"},
+                                   {"nan.obj", "not finite"},
                                    {"empty.stl", "no triangle"},
                                    {"needs.gltf", "KHR_draco_mesh_compression"}}) {
     const std::string mesh = name;

@@ -177,8 +177,8 @@ Result<TriangleMesh> read_mesh(const std::string& path, MeshReport* report) {
 
 Error no_triangle(const std::string& path, std::uint64_t dropped) {
   if (dropped == 0) return Error{path + ": there is no triangle in it"};
-  return Error{path + ": there is no triangle in it that covers anything; " + std::to_string(dropped) +
-               " have no area, or vertices that are missing or not finite"};
+  return Error{path + ": there is no triangle in it that covers anything; left out: " +
+               std::to_string(dropped) + " without an area, or with a vertex that is missing or not finite"};
 }
 
 }  // namespace gvx::io
