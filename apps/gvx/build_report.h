@@ -1,5 +1,5 @@
 /// \file
-/// What became of a volume file in a store that is worth a warning.
+/// Warnings of what a store does not hold as its volume file says.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace gvx::app {
 
-/// Says on standard error what of the volume was not stored as it is: a line each.
+/// Prints a line for each of them on standard error.
 void warn_of_build(const std::string& path, const io::VolumeDescription& volume,
                    const io::StoreBuildReport& report);
 

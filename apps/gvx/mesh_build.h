@@ -29,8 +29,8 @@ class MeshFlags {
   std::optional<std::string> fill_;
 };
 
-/// What a user should know of how a mesh was read, in a line without an end; empty where there is nothing to
-/// say. `solid`: was it filled?
+/// What a user should know of how a mesh was read, without a line end; empty where there is nothing to say.
+/// `solid`: was it filled?
 std::string mesh_notes(const produce::MeshSummary& summary, bool solid);
 
 /// Reads the mesh and writes the store; `fill` says what `options.solid` becomes. Where standard error is a

@@ -40,9 +40,9 @@ struct Devices {
 /// Asked with what is known of a volume or mesh file before it is built into a store, which takes time.
 using BeforeBuild = std::function<Status(const VoxelFormat&)>;
 
-/// Opens SCENE. `parts` say how it is made; an error where the scene takes one of them not, or of
-/// `before_build`. Another program's volume or mesh is built into a store in the temporary folder, which has
-/// no name there and goes when the program does; what is not stored as it is is said on standard error.
+/// Opens SCENE. `parts` say how it is made. An error where one of them does not apply to the scene, or where
+/// `before_build` fails. Another program's volume or mesh is built into a store without a name in the
+/// temporary folder, which goes when the program does; warnings of that go to standard error.
 Result<Scene> open_scene(const Devices& devices, const std::string& name, const io::RawOptions& raw,
                          scene::GenerateParts parts, const BeforeBuild& before_build);
 

@@ -1,5 +1,5 @@
 /// \file
-/// Are the files that a command is to write others than those that it reads? To be asked before it begins.
+/// Checks of a command's outputs before it begins: none may be an input, and each must be writable.
 #pragma once
 
 #include <functional>
@@ -15,13 +15,13 @@ namespace gvx::app {
 struct Output {
   std::string flag;  ///< that names it: "-o"
   std::string path;
-  /// It is one of many that are made in turn: that it can be written is found only then.
+  /// Made in turn after others: only then is it found whether it can be written.
   bool later = false;
 };
 
 /// An error where an output is one of the inputs, by whatever name or link, where two outputs are one file,
 /// or where an output cannot be written. The unfinished file beside an output (PATH.partial) counts as well.
-/// Devices and pipes may be named more than once. `inputs` is only called where an output is there already.
+/// Devices and pipes may be named more than once. `inputs` is only called where an output exists.
 Status check_outputs(std::span<const Output> outputs,
                      const std::function<std::vector<std::string>()>& inputs);
 

@@ -2,9 +2,9 @@
 /// GltfFile: the JSON and the buffers of a glTF 2.0 file (.gltf or .glb), and the numbers of its accessors.
 /// What the file says is checked before it is used.
 ///
-///     accessor: count, type, componentType  ->  bufferView: offset, stride  ->  buffer: the .glb's, a data
-///     URI,
-///                                                                               or a file beside it
+///     accessor: count, type, componentType
+///       -> bufferView: offset, stride
+///         -> buffer: the .glb's own, a data URI, or a file beside it
 #pragma once
 
 #include <cstddef>
@@ -23,6 +23,7 @@ namespace gvx::io {
 /// A URI's path: "%20" is a space.
 std::string uri_path(std::string_view uri);
 
+/// The file's JSON, and its buffers in memory.
 class GltfFile {
  public:
   /// Reads it with all buffers. An error where it is no glTF 2.0 file.
@@ -31,6 +32,7 @@ class GltfFile {
   /// "FILE: MESSAGE".
   Error error(const std::string& message) const;
 
+  /// The whole JSON, an object.
   const nlohmann::json& root() const { return root_; }
 
   /// An array of the root, such as "meshes"; empty where there is none.
@@ -39,12 +41,11 @@ class GltfFile {
   /// The item of it with this index; an error where there is none, or it is no object.
   Result<const nlohmann::json*> item(const char* list_name, std::uint64_t index) const;
 
-  /// The whole number of a field, 0 or more; nothing where there is none. An error for what is no such
-  /// number.
+  /// The whole number of a field, 0 or more; nothing where there is no such field. An error for any other
+  /// value.
   Result<std::optional<std::uint64_t>> index_of(const nlohmann::json& object, const char* field) const;
 
-  /// The numbers of a field, exactly so many of them; nothing where there is none. An error for what they are
-  /// not.
+  /// The `count` numbers of a field; nothing where there is no such field. An error for any other value.
   Result<std::optional<std::vector<double>>> numbers(const nlohmann::json& object, const char* field,
                                                      std::size_t count) const;
 

@@ -40,25 +40,25 @@ class MeshSink {
  public:
   virtual ~MeshSink() = default;
 
-  /// The next vertices, and their colours, or none for all of these. What files say: places may be no
-  /// finite numbers. Colours are 0 to 1, as displayed.
+  /// The next vertices, with a colour for each, 0 to 1 as displayed, or no colours at all. Places are as the
+  /// file says: they may not be finite.
   virtual Status add_vertices(std::span<const Vec3d> places, std::span<const Vec3f> colors) = 0;
 
-  /// The next triangles, of vertices that came before. What files say: an index may be that of none. Colours
-  /// are the triangles', or none where those of the vertices hold.
+  /// The next triangles, of vertices that came before, with a colour for each, or none where the vertices'
+  /// count. Indices are as the file says: there may be no such vertex.
   virtual Status add_triangles(std::span<const Triangle> triangles, std::span<const Vec3f> colors = {}) = 0;
 
-  /// The place of a vertex that came before; no numbers where none with the index did.
+  /// The place of a vertex that came before; NaN where there is none of this index.
   virtual Result<Vec3d> place(std::uint32_t vertex) = 0;
 
-  /// Is told what of a file is not used, such as "textures".
+  /// Is told what is not used of a file, such as "textures".
   virtual void pass_over(const std::string& what) = 0;
 };
 
 /// Cuts a polygon of vertices that the sink has into triangles, which are appended.
 Status cut_polygon(MeshSink& sink, std::span<const std::uint32_t> corners, std::vector<Triangle>& triangles);
 
-/// Called with what is read of all there is, in units of the format.
+/// Called with how much is read, and of how much, in units that depend on the format.
 using MeshProgress = std::function<void(std::uint64_t done, std::uint64_t all)>;
 
 /// Hands a file's triangles over as it is read; polygons are cut up, points and lines left out, and the parts
@@ -74,7 +74,7 @@ struct MeshReport {
 /// An error also where there is none in it.
 Result<TriangleMesh> read_mesh(const std::string& path, MeshReport* report = nullptr);
 
-/// The error for a file of which no triangle is left; so many were dropped.
+/// The error for a file of which no triangle is left, after `dropped` were left out.
 Error no_triangle(const std::string& path, std::uint64_t dropped);
 
 /// Does the name end as that of a mesh that read_mesh() knows?

@@ -9,9 +9,9 @@
 
 namespace gvx::io {
 
-/// The triangles of the scene's meshes, each where its nodes put it, with COLOR_0 times the material's base
-/// colour, which are linear light, as displayed. Understands KHR_mesh_quantization. An error that names what
-/// it is where the file requires an extension that changes shapes. Skins and morph targets are left at rest.
+/// The triangles of the scene's meshes, each where its nodes put it. Colours are COLOR_0 times the material's
+/// base colour, converted from linear light to display values. Understands KHR_mesh_quantization; other
+/// required extensions that change shapes are errors that name them. Skins and morph targets stay at rest.
 Status stream_gltf(const std::string& path, MeshSink& sink, const MeshProgress& progress);
 
 }  // namespace gvx::io

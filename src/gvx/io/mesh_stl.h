@@ -1,5 +1,5 @@
 /// \file
-/// STL, the format of machines that print and mill (3D Systems 1988): as text or binary. Read in one pass.
+/// STL, the format of 3D printers and mills (3D Systems 1988), as text or binary. Read in one pass.
 #pragma once
 
 #include <string>

@@ -17,13 +17,14 @@
 
 namespace gvx::io {
 
+/// Writes a file of that text into the tests' folder; its path.
 inline std::string written(const std::string& name, const std::string& text) {
   const std::string path = testing::TempDir() + "gvx_mesh_" + name;
   std::ofstream(path, std::ios::binary) << text;
   return path;
 }
 
-/// Little-endian, one behind the other.
+/// The bytes of the values, little-endian, one behind the other.
 template <typename... Values>
 std::string bytes_of(Values... values) {
   std::string bytes;
@@ -59,7 +60,7 @@ class KeepingSink final : public MeshSink {
     }
     return box;
   }
-  /// That the triangles enclose, above 0 where they face outwards.
+  /// The volume that the triangles enclose, above 0 where they face outwards.
   double volume() const {
     double sum = 0;
     for (const auto& [a, b, c] : triangles) {
@@ -75,6 +76,7 @@ class KeepingSink final : public MeshSink {
   std::set<std::string> unused;
 };
 
+/// All that stream_mesh() reads of a file, which must be sound.
 inline KeepingSink kept(const std::string& path) {
   KeepingSink sink;
   const Status status = stream_mesh(path, sink);
@@ -82,6 +84,7 @@ inline KeepingSink kept(const std::string& path) {
   return sink;
 }
 
+/// The message with which stream_mesh() fails, or "none".
 inline std::string error_of(const std::string& path) {
   KeepingSink sink;
   const Status status = stream_mesh(path, sink);

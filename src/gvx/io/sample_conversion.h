@@ -1,9 +1,9 @@
 /// \file
-/// From samples to voxels: what a look at the samples finds, the conversion that loses least of them, and the
-/// conversion itself with an account of what it lost.
+/// From samples to voxels: a survey of the samples, the conversion that loses least of them, and the
+/// conversion itself, which counts what it lost.
 ///
-/// A float holds 24 bits. Samples of more are kept where their spread is small beside their size, as 1e9,
-/// 1e9 + 0.5 and 1e9 + 1: a bias is taken off before they are rounded.
+/// A float holds 24 bits. Samples with more bits stay apart where their range is small compared to their
+/// size, such as 1e9, 1e9 + 0.5 and 1e9 + 1: a bias is subtracted before they are rounded.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ namespace gvx::io {
 using Exact = long double;
 static_assert(std::numeric_limits<Exact>::digits >= 64);
 
-/// What samples of a type are reckoned in.
+/// The type in which samples of a type are converted.
 template <typename Sample>
 using Reckoned = std::conditional_t<std::is_integral_v<Sample> && sizeof(Sample) == 8, Exact, double>;
 
@@ -45,14 +45,14 @@ struct Span {
     greatest = std::max(greatest, other.greatest);
   }
   bool empty() const { return least > greatest; }
-  /// Is it short beside its distance from 0?
+  /// Is it short compared to its distance from 0?
   bool far_from_0() const { return !empty() && 4 * (greatest - least) <= std::max(least, -greatest); }
 };
 
-/// What there is among some samples.
+/// What a look at some samples finds.
 struct Survey {
   Span finite;
-  Span rounded;  ///< by a float
+  Span rounded;  ///< those that a float would round
 
   void add(const Survey& other) {
     finite.include(other.finite);
@@ -60,6 +60,7 @@ struct Survey {
   }
 };
 
+/// Sample `i`, which need not be aligned.
 template <typename Sample>
 Sample sample_at(std::span<const std::byte> samples, std::size_t i) {
   Sample v;
@@ -67,6 +68,7 @@ Sample sample_at(std::span<const std::byte> samples, std::size_t i) {
   return v;
 }
 
+/// Surveys samples in native byte order.
 template <typename Sample>
 Survey survey_samples(std::span<const std::byte> samples) {
   constexpr Sample kMost = std::numeric_limits<Sample>::max(), kLeast = std::numeric_limits<Sample>::lowest();
@@ -96,7 +98,7 @@ Survey survey_samples(std::span<const std::byte> samples) {
   return survey;
 }
 
-/// stored = (sample - bias) / unit, rounded, and held to what the type holds.
+/// stored = (sample - bias) / unit, rounded, and clamped to the type's range.
 struct Conversion {
   VoxelType type = VoxelType::u8;
   double bias = 0;
@@ -157,7 +159,7 @@ struct ConversionAccount {
   }
 };
 
-/// `no_data` stands for what is not finite.
+/// Converts all samples; those that are not finite become `no_data`.
 template <typename Sample, typename Voxel>
 ConversionAccount convert_samples(std::span<const std::byte> samples, const Conversion& c, Voxel no_data,
                                   Voxel* out) {

@@ -16,8 +16,10 @@
 
 namespace gvx::io {
 
+/// Reads a text, or a binary file with a text before it, from front to back.
 class TextScanner {
  public:
+  /// Begins where the stream is.
   explicit TextScanner(std::unique_ptr<ByteStream> stream);
 
   /// "FILE: MESSAGE".
@@ -42,7 +44,7 @@ class TextScanner {
   /// The next word as a number; an error where it is none, or the file ends.
   Result<double> number();
 
-  /// Of the file from here on, where its size is known.
+  /// Bytes from here to the file's end, where its size is known.
   std::optional<std::uint64_t> bytes_left() const;
 
   /// Bytes of the file that were read so far, as it is on disk.

@@ -1,6 +1,6 @@
 /// \file
-/// Whether a mesh encloses anything, and what: found from its edges and from faces that are there twice, in
-/// one pass and a few words of memory for most meshes.
+/// Whether a mesh encloses anything, and by which rule. Found from its edges, and from faces that occur
+/// twice, for most meshes in one pass and a few words of memory.
 #pragma once
 
 #include <array>
@@ -24,14 +24,14 @@ enum class InsideRule {
   parity,   ///< behind an odd number of crossings: for faces that are not wound alike
 };
 
-/// Sums over the edges of triangles; edges between equal places are one, whatever vertices they are of. That
-/// sums are 0 by chance is as likely as to guess 128 bits.
+/// Hashed sums over the edges of triangles, which say whether edges pair up. Edges between equal places are
+/// one edge, whatever their vertices. A sum is 0 by chance with a probability of 2^-128.
 class EdgeSums {
  public:
   using Corners = std::array<Vec3d, 3>;
 
   void add(const Corners& corners);
-  /// One that goes from a to b; none where both are one place.
+  /// Adds an edge from a to b; nothing where both are one place.
   void add_edge(Vec3d a, Vec3d b);
 
   /// Is every edge of an even number of triangles?
@@ -43,7 +43,7 @@ class EdgeSums {
   std::array<std::uint64_t, 2> odd_{}, ways_{};
 };
 
-/// An edge for comparison with others: by its places, whichever comes first.
+/// An edge to be sorted beside its likes: those between the same places, in either direction.
 struct EdgeRecord {
   std::array<std::uint64_t, 2> key;
   /// Twice (3 * triangle + which of its edges), and one more where it goes from the lesser place.
@@ -88,7 +88,7 @@ class OpenEdges {
   bool too_many_ = false;
 };
 
-/// A triangle for comparison with others: by its places, whichever comes first.
+/// A triangle to be sorted beside its likes: those of the same places, in any order.
 struct FaceRecord {
   std::array<std::uint64_t, 2> key;
   std::uint64_t index;
@@ -101,20 +101,20 @@ struct FaceRecord {
   }
 };
 
-/// Tells a mesh's rule. First all triangles are added. Where that does not settle it, open edges may be
-/// welded. Where that does not either, triangles' records are taken in order, then all are weighed, with the
-/// same indices. Triangles without an area count: they may be what closes it.
+/// Finds a mesh's rule: add() all triangles; where that has not settled it, weld() the open edges; where that
+/// has not either, take() the records of all triangles in order, then weigh() all triangles, with the same
+/// indices. Triangles without an area count: they may be what closes the mesh.
 class InsideJudge {
  public:
   void add(const EdgeSums::Corners& corners);
 
-  /// Without looking at what is there twice.
+  /// Is the rule known without looking for faces that occur twice?
   bool settled() const { return welded_ || (all_.balanced() && (faces_[0] != 0 || faces_[1] != 0)); }
 
-  /// Are there edges that other ones, of nearly the same places, may go with?
+  /// May open edges pair up with others of nearly the same places?
   bool may_weld() const { return !all_.even(); }
-  /// Compares the open edges anew, places that are no farther apart than this taken for one: of two parts,
-  /// each placed by a rounded matrix.
+  /// Compares the open edges anew, and takes places no farther apart than `tolerance` for one. They come from
+  /// parts that were each placed by a rounded matrix.
   void weld(std::span<const std::array<Vec3d, 2>> open, double tolerance);
 
   /// In the order of records. `count` is that of all.
@@ -122,7 +122,7 @@ class InsideJudge {
   void weigh(const EdgeSums::Corners& corners, std::uint64_t index);
 
   InsideRule rule() const;
-  /// Is the triangle one that the rule has no use for, because its like is there?
+  /// Should the triangle be left out, because the same face is there already?
   bool is_spare(std::uint64_t index) const;
 
  private:
@@ -141,10 +141,10 @@ class InsideJudge {
   EdgeSums without_copies_, once_;
 };
 
-/// Places that are so near to each other are one: what single precision tells apart in a mesh of this size.
+/// The tolerance for weld(): what single precision can tell apart in a mesh of this size.
 double weld_distance(const Box3d& bounds);
 
-/// The rule of a mesh that is in memory. Triangles that it has no use for are taken out.
+/// The rule of a mesh that is in memory. Triangles that are to be left out are removed from it.
 InsideRule settle_inside(io::TriangleMesh& mesh);
 
 }  // namespace gvx::produce

@@ -36,14 +36,14 @@ struct MeshSummary {
   std::uint64_t vertices = 0;                       ///< whether a triangle has them or not
   std::uint64_t triangles = 0;                      ///< that cover anything
   std::uint64_t dropped = 0;                        ///< the others, and those of vertices that are not there
-  std::uint64_t doubled = 0;                        ///< that are left out because their like is there
+  std::uint64_t doubled = 0;                        ///< that are left out because the same face is there
   Box3d bounds{Vec3d(INFINITY), Vec3d(-INFINITY)};  ///< of the triangles
   bool colors = false;
   Vec3f mean_color;  ///< of the surface
   InsideRule inside = InsideRule::none;
   std::vector<std::string> unused;  ///< what of the file is not used, each once
 
-  /// Is there an inside?
+  /// Does the mesh have an inside?
   bool closed() const { return inside != InsideRule::none; }
 };
 
@@ -89,9 +89,10 @@ class MeshSpool final : public io::MeshSink {
   void make_room();
   Result<Vertex> vertex(std::uint32_t index);
   void take_into_account(const SpooledTriangle& triangle);
-  /// Looks for edges that others, of nearly the same places, go with.
+  /// Pairs open edges with others of nearly the same places.
   Status weld_open_edges();
-  /// The same, then for faces that are there more than once, and takes out those that are to spare.
+  /// Finds the rule: by edges, by welded edges, then by faces that occur twice, of which spare ones are
+  /// removed.
   Status settle_inside();
   /// Calls function(corners, index) for all triangles, then for those without an area.
   template <typename Function>

@@ -1,7 +1,7 @@
 /// \file
-/// TileBricks: the bricks that a tile's march goes through, as bytes; what must know the type of their voxels
-/// and their edge is out of line. So the march of tiles is compiled once for all voxels. Private to this
-/// room.
+/// TileBricks: the bricks that a tile's march goes through, as bytes. Functions that depend on the type of
+/// the voxels or the edge of a brick are out of line, so the march of tiles is compiled once for all of them.
+/// Private to this room.
 #pragma once
 
 #include <cstddef>
@@ -26,6 +26,7 @@ struct BytesStretch : StretchSteps {
   BytesPath fine, coarse;
 };
 
+/// A pass's bricks, of any voxel type and edge.
 class TileBricks {
  public:
   explicit TileBricks(const Pass& pass);
@@ -38,7 +39,7 @@ class TileBricks {
   /// Which cells of a brick of `level` can be seen (visible_cells.h).
   std::uint64_t visible_cells(const FrameView& frame, BrickIndex slot, int level) const;
 
-  /// What one ray gathers (gather.h).
+  /// Adds to `state` what one ray gathers along a stretch (gather.h).
   void gather_stretch(const RayView& ray, const BytesStretch& stretch, RayState& state) const;
 
  private:
@@ -49,7 +50,7 @@ class TileBricks {
 
 /// Ray (x, y) marches by itself, as march.h says; on a CPU.
 void march_ray(const Pass& pass, double x, double y, RayState& state);
-/// And draws its preview.
+/// Ray (x, y) draws its preview by itself; on a CPU.
 PreviewPixel preview_ray(const Pass& pass, double x, double y);
 
 }  // namespace gvx::render

@@ -1,5 +1,6 @@
 /// \file
-/// CameraParts: what is said of a camera, in a scene file or on a command line. The rest is chosen.
+/// CameraParts: the parts of a camera that a scene file or a command line gives. The program chooses the
+/// rest.
 #pragma once
 
 #include <optional>
@@ -12,9 +13,9 @@
 
 namespace gvx::scene {
 
-/// A camera of which some is said.
+/// A camera of which some parts are given.
 struct CameraParts {
-  std::optional<Vec3dd> origin;  ///< if there, and no target, that is the target
+  std::optional<Vec3dd> origin;  ///< also the target, where none is given
   std::optional<Vec3d> eye, target, up;
   std::optional<double> fov_degrees, height_world;  ///< at most one of them
 

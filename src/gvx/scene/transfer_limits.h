@@ -9,9 +9,9 @@
 
 namespace gvx::scene {
 
-/// The values of two neighbouring points that are less than two entries of the largest table apart, as others
-/// that bend the function are too far away from them: what is between is blurred. Nothing where there are
-/// none; of several the closest.
+/// The values of the two neighbouring points that are closest to each other, where these are less than two
+/// entries of the largest table apart, so that what is between is blurred; else nothing. It happens where
+/// other points that bend the function are far away.
 std::optional<std::pair<double, double>> points_too_close(const TransferFunction& function, ValueSpan values);
 
 }  // namespace gvx::scene

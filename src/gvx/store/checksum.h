@@ -9,6 +9,7 @@
 
 namespace gvx::store {
 
+/// XXH3 of the bytes.
 std::uint64_t checksum(std::span<const std::byte> bytes);
 
 /// The same of bytes that come piece by piece.

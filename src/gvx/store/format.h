@@ -4,16 +4,16 @@
 ///     offset 0     FileHeader, 256 bytes, little-endian, written last
 ///     256 ..       bricks, laid out as core/voxel.h draws them, each compressed on its own,
 ///                  and between them pages of the index, compressed
-///     sections     directory: where the top of each level's index is; records: the fields of a node's
-///     record;
-///                  metadata: JSON, the source's name, its orientation's meaning, the histogram; and any
-///                  others
+///     sections     directory: where the top of each level's index is
+///                  records: the fields of a node's record
+///                  metadata: JSON, the source's name, its orientation's meaning, the histograms
+///                  and any others
 ///     table        of the sections
 ///
-/// The index of a level is a tree of pages. At its foot a page holds the records of 8^3 nodes, above that
-/// where 8^3 pages are, up to one page that holds all. To sample a voxel: directory -> pages, top to foot ->
-/// NodeRecord -> brick. Each step is one range of bytes, so a store is read piecewise from a disk or by HTTP
-/// ranges, and how much is read first does not depend on its size.
+/// The index of a level is a tree of pages. At the foot a page holds the records of 8^3 nodes, above that the
+/// references to 8^3 pages, up to one page that holds all. To sample a voxel: directory -> pages, top to foot
+/// -> NodeRecord -> brick. Each step is one range of bytes, so a store is read piecewise from a disk or by
+/// HTTP ranges, and how much is read first does not depend on its size.
 #pragma once
 
 #include <array>
@@ -85,7 +85,7 @@ static_assert(sizeof(FileHeader) == 256);
 /// Voxels of type f32 may be NaN: nothing was measured there.
 inline constexpr std::uint32_t kNoData = 1;
 
-/// The most voxels of a brick's border.
+/// The widest border of a brick, in voxels.
 inline constexpr std::uint32_t kMostBorder = 2;
 
 /// Where some bytes of the file are, and their checksum.
@@ -98,8 +98,8 @@ struct BlockRef {
 };
 static_assert(sizeof(BlockRef) == 16);
 
-/// Where an index page is, or in its stead the one record that all nodes below have: a large part of a volume
-/// that has one value costs nothing.
+/// Where an index page is, or in its place the one record that all nodes below have: so a large part of a
+/// volume that has one value costs nothing.
 struct PageRef : BlockRef {
   static constexpr std::uint32_t kOneRecord = 1u << 31;
 

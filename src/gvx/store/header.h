@@ -12,9 +12,10 @@
 
 namespace gvx::store {
 
+/// The header and the table of sections, whatever the version.
 struct StoreHeader {
   std::uint32_t version = kVersion;
-  VolumeInfo info;  ///< but for what the metadata say
+  VolumeInfo info;  ///< without what the metadata say
   std::uint32_t record_bytes = 0;
   std::vector<Section> sections;
 };
@@ -23,7 +24,7 @@ struct StoreHeader {
 /// An error where the file is no whole store of a version that this program reads.
 Result<StoreHeader> read_header(const StoreFile& file);
 
-/// A header of this version, but for what it says of the file: sections, size, checksum.
+/// A header of kVersion, in which sections, size and checksum are yet to be set.
 FileHeader header_of(const VolumeInfo& info, std::uint32_t record_bytes);
 
 }  // namespace gvx::store

@@ -18,9 +18,10 @@
 
 namespace gvx::store {
 
+/// Used by one thread.
 class IndexWriter {
  public:
-  /// Puts bytes into the file.
+  /// Appends bytes to the file; says where they are.
   using Append = std::function<Result<BlockRef>(std::span<const std::byte>)>;
 
   IndexWriter(const TreeShape& shape, const RecordLayout& layout, Append append);

@@ -19,7 +19,7 @@ std::size_t PageCache::bytes() const {
   return bytes_;
 }
 
-void PageCache::came(const PageKey& key, const Result<Page>& page) {
+void PageCache::finish_load(const PageKey& key, const Result<Page>& page) {
   const std::lock_guard lock(mutex_);
   const auto slot = slots_.find(key);
   if (!page.ok()) {

@@ -1,6 +1,6 @@
 /// \file
-/// PageCache: index pages that were read, as many as fit into its bound; the one that was not asked for
-/// longest goes first. Where several threads lack the same page one of them reads it and the others wait.
+/// PageCache: keeps index pages up to a bound in bytes; the least recently used goes first. Where several
+/// threads lack the same page, one of them reads it and the others wait.
 #pragma once
 
 #include <cstddef>
@@ -31,11 +31,11 @@ struct PageKey {
 /// Thread-safe.
 class PageCache {
  public:
-  /// Pages being read come on top of the bound: one a thread.
+  /// Pages that are being read come on top of the bound: one a thread.
   explicit PageCache(std::size_t most_bytes) : most_bytes_(most_bytes) {}
 
-  /// The page of the key, read by load() where it is not here. What load() fails with goes to all that wait,
-  /// and is not kept.
+  /// The page of the key, read by load() where it is not here. An error of load() goes to all that wait, and
+  /// is not kept.
   template <typename Load>
   Result<Page> get(const PageKey& key, const Load& load) {
     std::promise<Result<Page>> promise;
@@ -52,11 +52,11 @@ class PageCache {
     }
     Result<Page> page = load();
     promise.set_value(page);
-    came(key, page);
+    finish_load(key, page);
     return page;
   }
 
-  /// What the pages take, and this class of each.
+  /// Bytes that the kept pages take, with what this class stores for each.
   std::size_t bytes() const;
 
  private:
@@ -69,7 +69,8 @@ class PageCache {
     std::size_t operator()(const PageKey& key) const;
   };
 
-  void came(const PageKey& key, const Result<Page>& page);
+  /// Counts a page that was read, and drops the oldest ones beyond the bound; forgets one that was not.
+  void finish_load(const PageKey& key, const Result<Page>& page);
 
   const std::size_t most_bytes_;
   mutable std::mutex mutex_;

@@ -40,19 +40,19 @@ class PageIndex {
   };
   Result<Record> record(const NodeKey& key) const;
 
-  /// What for_each_page() finds: of the nodes of a box those in one page, or those that have one record.
+  /// What for_each_page() finds: the nodes of a box that one page holds, or that share one record.
   struct Part {
     NodeBox nodes;
     bool one_record;
-    /// Of all pages that it has come by, this one included; pages of one record do not count, as many share
-    /// one.
+    /// Bytes of all pages visited so far, this one included. Pages of one record do not count, as many
+    /// references may share one.
     std::uint64_t page_bytes;
   };
   /// Calls take(part) for parts that make up the nodes of a box. Ends with the first error of take().
   using Take = std::function<Status(const Part&)>;
   Status for_each_page(const NodeBox& box, const Take& take) const;
 
-  /// What the pages that are kept take.
+  /// Bytes that the kept pages take.
   std::size_t cached_bytes() const { return cache_.bytes(); }
 
  private:

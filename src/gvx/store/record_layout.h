@@ -1,7 +1,7 @@
 /// \file
 /// RecordLayout: which bytes of a node's record mean what. The store says so itself, field by field and each
 /// with a name, so that a store may hold more of a node than a reader knows: the reader takes the fields that
-/// it knows, and passes by the others.
+/// it knows, and skips the others.
 ///
 ///     voxels   16 bytes: where the node's compressed brick is
 ///     ranges   8 bytes a channel: least and greatest value
@@ -30,13 +30,14 @@ enum class FieldKind : std::uint32_t {
 /// A field as the section "records" lists it.
 struct RecordField {
   StoredName name;
-  std::uint32_t kind;    ///< FieldKind; those of others are passed by
+  std::uint32_t kind;    ///< FieldKind; fields of other kinds are skipped
   std::uint32_t offset;  ///< in the record
   std::uint32_t bytes;
   std::uint32_t flags;  ///< bit 0: a reader must know the field
 };
 static_assert(sizeof(RecordField) == 40);
 
+/// Where the known fields are in a record, and which others there are.
 class RecordLayout {
  public:
   /// A field beyond those that every store has.
@@ -59,8 +60,9 @@ class RecordLayout {
   std::uint32_t bytes() const { return bytes_; }
   const std::vector<RecordField>& fields() const { return fields_; }
 
+  /// The known fields of a record.
   NodeRecord decode(const std::byte* record) const;
-  /// Leaves the bytes of other fields as they are.
+  /// Writes the known fields; leaves the bytes of others as they are.
   void encode(const NodeRecord& node, std::byte* record) const;
 
   /// Payloads that this program does not know.
@@ -79,9 +81,9 @@ class RecordLayout {
   std::vector<Payload> others_;
 };
 
-/// A record may have as many bytes.
+/// The most bytes that a record may have.
 inline constexpr std::uint32_t kMostRecordBytes = 4096;
-/// And as many fields.
+/// The most fields that a record may have.
 inline constexpr std::uint32_t kMostFields = 64;
 
 }  // namespace gvx::store

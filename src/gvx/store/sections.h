@@ -1,7 +1,7 @@
 /// \file
 /// Sections: named ranges of a store's file. What is not a brick or an index page is a section, so a store
 /// can get new parts without a new version: a reader ignores the sections that it does not know, unless one
-/// says that the rest means something else without it.
+/// is marked as required.
 #pragma once
 
 #include <array>
@@ -15,6 +15,7 @@
 
 namespace gvx::store {
 
+/// Names of the sections that every store has.
 inline constexpr const char* kDirectorySection = "directory";
 inline constexpr const char* kRecordsSection = "records";
 inline constexpr const char* kMetadataSection = "metadata";
@@ -24,14 +25,14 @@ using StoredName = std::array<char, 24>;
 
 /// The stored form of a name of 1 to 24 characters.
 StoredName stored_name(const std::string& name);
-/// The name, or empty where the bytes are none.
+/// The name, or empty where the bytes are not a name.
 std::string name_of(const StoredName& stored);
 
 /// What the file's table of sections says of one.
 struct Section {
   std::string name;
   std::uint32_t version = 1;  ///< of the section's own layout
-  bool required = false;      ///< may a reader that does not know the section not read the store?
+  bool required = false;      ///< must a reader know the section to read the store?
   std::uint64_t offset = 0, bytes = 0;
   std::uint64_t checksum = 0;  ///< of all its bytes
 };
@@ -46,9 +47,10 @@ struct SectionEntry {
 };
 static_assert(sizeof(SectionEntry) == 64);
 
-/// A table may have as many.
+/// The most sections that a table may have.
 inline constexpr std::uint32_t kMostSections = 1024;
 
+/// The table's entries, in the same order.
 std::vector<SectionEntry> section_table(std::span<const Section> sections);
 
 /// What the table's bytes say. An error where a name is none or stands there twice, or a section is not

@@ -28,6 +28,7 @@ class StoreFile {
     return offset <= size_bytes() && bytes <= size_bytes() - offset;
   }
 
+  /// Fills `out` with the bytes from `offset` on.
   Status read(std::uint64_t offset, std::span<std::byte> out) const;
   /// The checksum of a range of any length; reads it piece by piece.
   Result<std::uint64_t> checksum_of(std::uint64_t offset, std::uint64_t bytes) const;
@@ -38,7 +39,7 @@ class StoreFile {
   /// Everything that was read so far, and how long that took, of all threads together.
   std::uint64_t bytes_read() const { return bytes_read_.load(std::memory_order_relaxed); }
   double reading_milliseconds() const { return reading_.milliseconds(); }
-  /// What checking and decompressing took: those who do it add to it.
+  /// Time that checking and decompressing took; those who do it add to it.
   TimeSum& decoding() const { return decoding_; }
 
  private:
