@@ -43,7 +43,7 @@ Result<exec::Device> open_device(const Options& o) {
   return exec::Device::cpu(o.threads);
 }
 
-/// Where a function's points are so close, and the values so far apart, that what is between is blurred.
+/// Where a function's points are so close, and the values so far apart, that what lies between is blurred.
 void warn_of_close_points(const produce::TreeDescription& tree, const render::View& view) {
   if (tree.format.content != VoxelContent::scalar) return;
   for (std::size_t channel = 0; channel < view.functions.size(); ++channel) {
@@ -52,8 +52,9 @@ void warn_of_close_points(const produce::TreeDescription& tree, const render::Vi
     if (!close) continue;
     std::ostringstream message;
     message.precision(9);
-    message << "transfer function: what is between the points at " << close->first << " and " << close->second
-            << " is blurred: the volume's values are from " << values.minimum << " to " << values.maximum;
+    message << "transfer function: the points at " << close->first << " and " << close->second
+            << " are too close to tell apart: the volume's values are from " << values.minimum << " to "
+            << values.maximum;
     warn(message.str());
   }
 }

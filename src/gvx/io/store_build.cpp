@@ -50,7 +50,7 @@ std::optional<Conversion> known_conversion(SampleType from, const VoxelFormat& t
 
 /// The conversions to f32 that may lose least, the plain one first unless another is never worse.
 std::vector<Conversion> conversions_to_float(const Survey& survey) {
-  // Nearer to 0 than it was each sample has as many digits left as before, or more.
+  // A sample that comes nearer to 0 keeps at least as many digits as it had.
   if (survey.finite.far_from_0()) return {to_float(survey, at_or_below(survey.finite.least))};
   std::vector<Conversion> conversions = {to_float(survey, 0)};
   // A float that is taken off a background of 0 loses nothing of that.

@@ -247,8 +247,7 @@ Result<MeshStoreReport> build_mesh_store(const exec::Device& cpu, const MeshSpoo
 
   const std::uint64_t slice =
       store::saturating_product(static_cast<std::uint64_t>(dimensions.x * dimensions.y), sizeof(Voxel));
-  const std::uint64_t slices_bytes =
-      store::PyramidBuilder::window_bytes(info) + kBlock * slice;
+  const std::uint64_t slices_bytes = store::PyramidBuilder::window_bytes(info) + kBlock * slice;
   const std::uint64_t needed = slices_bytes + kLeastTriangles * kBytesPerTriangle;
   const auto too_much = [&](const std::string& what) {
     return Error{options.source + ": " + std::to_string(options.resolution) + " voxels across need " + what +

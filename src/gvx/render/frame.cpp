@@ -141,7 +141,7 @@ std::uint32_t subrays_of(const View& view, const TreePlacement& placement) {
   const auto fits = [&](std::uint32_t subrays) {
     constexpr std::uint64_t kMostRays = std::uint64_t(1) << 22;
     const std::uint64_t rays = std::uint64_t(subrays) * view.antialias;
-    // Two have room for twice as many: a picture of 1920 x 1080 has them.
+    // Two subrays may make twice as many rays, so that a picture of 1920 x 1080 gets them.
     return rays <= View::kMostAntialias &&
            view.width * rays * view.height * rays <= (subrays > 2 ? kMostRays : 2 * kMostRays);
   };
@@ -193,8 +193,8 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
     v.visibility.noise_fades = v.noise.fades;
   }
 
-  // Means hide the greatest values: these are sought further down, a level or as far as the rays of a pixel
-  // reach between them.
+  // Means hide the greatest values, so these are sought on finer levels: as fine as with the most subrays,
+  // or, without any, half as wide.
   const double finer = !scene::seeks_extreme(view.mode) ? 1
                        : view.subrays > 1               ? double(kMostSubrays) / view.subrays
                                                         : 2;

@@ -146,7 +146,7 @@ TableSpan between_bends(const TransferFunction& function) {
   return span;
 }
 
-/// Of `span` what is there of these values, or next to nothing around the nearest to it.
+/// The part of `span` within these values; where there is none, the end of them that is nearest to it.
 TableSpan held_to(TableSpan span, ValueSpan values) {
   if (!(values.minimum <= values.maximum)) return span;
   span.first = std::clamp(span.first, values.minimum, values.maximum);
@@ -154,10 +154,10 @@ TableSpan held_to(TableSpan span, ValueSpan values) {
   return span;
 }
 
-/// How many entries a table needs to tell apart what a curve does. `most`: the greatest of what it is of.
+/// How many entries a table needs to follow a curve. `difference`: of two points, as a share of the greatest.
 template <typename Point, typename Difference>
 double entries_wanted(const std::vector<Point>& points, TableSpan span, const Difference& difference) {
-  // From an entry to the next so much of the greatest, and points no closer than that.
+  // The most change from an entry to the next, and the fewest entries from a point to the next.
   constexpr double kLeastStep = 1.0 / 32, kLeastApart = 2;
   double wanted = 0;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
@@ -193,9 +193,9 @@ TableSpan table_span(const TransferFunction& function, TableSpan outer, ValueSpa
     wanted = entries_wanted(function, span);
   }
   while (span.entries < wanted && span.entries < TransferView::kMostEntries) span.entries *= 2;
-  // Of one value: its surroundings, so that a step there is one.
+  // A single value gets its surroundings, so that a step there stays a step.
   if (!(span.last > span.first)) {
-    // Entries of the farthest values are still numbers, as are their differences.
+    // Wide enough that the farthest values still have finite entries.
     const double range = values.maximum - values.minimum;
     const double around = std::max(1e-6 * std::abs(span.first), 1e-20 * (std::isfinite(range) ? range : 1));
     span = {span.first - around, span.first + around};
@@ -222,7 +222,7 @@ TableSpan outer_span(const TransferFunction& function, ValueSpan values) {
 std::vector<double> stops_of(const TransferFunction& function, const TableSpan& span) {
   std::vector<double> stops;
   const auto add = [&](double value) {
-    const double entry = (value - span.first) / span.width();  // of absurd values no number
+    const double entry = (value - span.first) / span.width();  // NaN for absurd values
     if (entry >= 0 && entry <= span.entries - 1) stops.push_back(entry);
   };
   for (const ColorPoint& point : function.colors) add(point.value);
