@@ -61,4 +61,14 @@ bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid 
   });
 }
 
+void march_ray(const Pass& pass, double x, double y, RayState& state) {
+  with_voxel_type(pass.frame.format.type,
+                  [&](auto zero) { kernels::march_ray<decltype(zero)>(pass, x, y, state); });
+}
+
+PreviewPixel preview_ray(const Pass& pass, double x, double y) {
+  return with_voxel_type(pass.frame.format.type,
+                         [&](auto zero) { return kernels::preview_ray<decltype(zero)>(pass, x, y); });
+}
+
 }  // namespace gvx::render

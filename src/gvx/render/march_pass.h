@@ -69,4 +69,9 @@ bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid 
                    std::uint32_t generation, exec::BufferView<const RayState> rays,
                    exec::BufferView<PreviewPixel> pixels);
 
+/// Ray (x, y) marches by itself, as march.h says; on a CPU.
+void march_ray(const Pass& pass, double x, double y, RayState& state);
+/// Ray (x, y) draws its preview by itself; on a CPU.
+PreviewPixel preview_ray(const Pass& pass, double x, double y);
+
 }  // namespace gvx::render

@@ -1,18 +1,10 @@
 #include "gvx/render/tile_bricks.h"
 
 #include "gvx/render/gather.h"
-#include "gvx/render/march_kernels.h"
 #include "gvx/render/march_view.h"
 #include "gvx/render/visible_cells.h"
 
 namespace gvx::render {
-namespace kernels {
-
-GVX_INSTANTIATE_MARCH(extern, std::uint8_t)
-GVX_INSTANTIATE_MARCH(extern, std::uint16_t)
-GVX_INSTANTIATE_MARCH(extern, float)
-
-}  // namespace kernels
 namespace {
 
 template <typename Voxel, int M>
@@ -60,16 +52,6 @@ void TileBricks::gather_stretch(const RayView& ray, const BytesStretch& stretch,
       render::gather_stretch(ray, s, state);
     });
   });
-}
-
-void march_ray(const Pass& pass, double x, double y, RayState& state) {
-  with_voxel_type(pass.frame.format.type,
-                  [&](auto zero) { kernels::march_ray<decltype(zero)>(pass, x, y, state); });
-}
-
-PreviewPixel preview_ray(const Pass& pass, double x, double y) {
-  return with_voxel_type(pass.frame.format.type,
-                         [&](auto zero) { return kernels::preview_ray<decltype(zero)>(pass, x, y); });
 }
 
 }  // namespace gvx::render

@@ -48,9 +48,4 @@ class TileBricks {
   std::uint32_t m_;
 };
 
-/// Ray (x, y) marches by itself, as march.h says; on a CPU.
-void march_ray(const Pass& pass, double x, double y, RayState& state);
-/// Ray (x, y) draws its preview by itself; on a CPU.
-PreviewPixel preview_ray(const Pass& pass, double x, double y);
-
 }  // namespace gvx::render

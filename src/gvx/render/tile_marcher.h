@@ -11,6 +11,7 @@
 #include "gvx/exec/host_memory.h"
 #include "gvx/exec/tile_grid.h"
 #include "gvx/render/gather.h"
+#include "gvx/render/march_view.h"
 #include "gvx/render/place_bricks.h"
 #include "gvx/render/stretch_batch.h"
 #include "gvx/render/tile_bricks.h"
@@ -61,10 +62,7 @@ struct TilesView {
   TileBricks bricks;
   brick::CellMaskView cells;
 
-  explicit TilesView(const Pass& pass)
-      : walk{pass.frame, pass.nodes, pass.tile_usage, pass.brick_usage, pass.requests, pass.number},
-        bricks(pass),
-        cells(pass.cells) {}
+  explicit TilesView(const Pass& pass) : walk(walk_view_of(pass)), bricks(pass), cells(pass.cells) {}
 };
 
 template <int N>
