@@ -28,7 +28,7 @@ struct Options {
   std::string output, memory = "1G", codec = "zstd", type;
   int brick = 16, tree = 2, threads = 0;
   bool force = false, labels = false;
-  RawFlags raw;
+  VolumeFlags volume;
   MeshFlags mesh;
 };
 
@@ -42,7 +42,7 @@ Status build_from_mesh(const Options& o, const io::StoreBuildOptions& common) {
   if (o.inputs.size() > 1)
     return Error{path + ": a store takes one mesh; several files are for the channels of a volume"};
   if (o.labels || !o.type.empty()) return Error{path + ": --labels and --type do not go with a mesh"};
-  if (o.raw.given()) return RawFlags::refuse(path);
+  if (o.volume.given()) return VolumeFlags::refuse(path);
   GVX_ASSIGN(produce::MeshStoreOptions options, o.mesh.parse());
   options.n = common.n;
   options.m = common.m;
@@ -56,22 +56,22 @@ Status build_from_mesh(const Options& o, const io::StoreBuildOptions& common) {
 
 /// One volume, or several as its channels.
 Result<std::unique_ptr<io::SliceReader>> open_channels(const std::vector<std::string>& paths,
-                                                       const io::RawOptions& raw) {
-  std::vector<std::unique_ptr<io::VolumeReader>> volumes;
+                                                       const io::VolumeOptions& volume_options) {
+  std::vector<std::unique_ptr<io::SliceReader>> volumes;
   for (const std::string& path : paths) {
-    GVX_ASSIGN(volumes.emplace_back(), io::open_volume(path, raw));
+    GVX_ASSIGN(volumes.emplace_back(), io::open_volume(path, volume_options));
   }
   if (volumes.size() == 1) return std::unique_ptr<io::SliceReader>(std::move(volumes.front()));
   GVX_ASSIGN(std::unique_ptr<io::SliceReader> merged, io::ChannelMerger::merge(std::move(volumes)));
   return merged;
 }
 
-Status check_output(const Options& o, const io::RawOptions& raw) {
+Status check_output(const Options& o, const io::VolumeOptions& volume_options) {
   const Output output{"-o", o.output};
   GVX_TRY(check_outputs({&output, 1}, [&] {
     std::vector<std::string> files;
     for (const std::string& input : o.inputs) {
-      const std::vector<std::string> parts = files_of(input, raw);
+      const std::vector<std::string> parts = files_of(input, volume_options);
       files.insert(files.end(), parts.begin(), parts.end());
     }
     return files;
@@ -86,8 +86,8 @@ Status check_output(const Options& o, const io::RawOptions& raw) {
 }
 
 Status build(const Options& o) {
-  GVX_ASSIGN(const io::RawOptions raw, o.raw.parse());
-  GVX_TRY(check_output(o, raw));
+  GVX_ASSIGN(const io::VolumeOptions volume_options, o.volume.parse());
+  GVX_TRY(check_output(o, volume_options));
   const std::map<std::string, store::Codec> codecs = {
       {"zstd", store::Codec::zstd}, {"lz4", store::Codec::lz4}, {"none", store::Codec::none}};
   const std::map<std::string, VoxelType> types = {
@@ -101,7 +101,7 @@ Status build(const Options& o) {
   if (io::is_mesh_name(o.inputs.front())) return build_from_mesh(o, options);
   if (o.mesh.given()) return Error{o.inputs.front() + ": --resolution and --fill are for meshes"};
   options.labels = o.labels;
-  GVX_ASSIGN(const auto volume, open_channels(o.inputs, raw));
+  GVX_ASSIGN(const auto volume, open_channels(o.inputs, volume_options));
   io::StoreBuildReport report;
   {
     Progress progress("building", "");
@@ -147,7 +147,7 @@ Command add_build(CLI::App& program) {
       "--labels", options->labels,
       "The numbers name classes: never averaged or blended, coarse levels take the most frequent");
   command->add_flag("--force", options->force, "Replace the store if it exists");
-  options->raw.add_to(*command);
+  options->volume.add_to(*command);
   options->mesh.add_to(*command);
   return [options] { return build(*options); };
 }

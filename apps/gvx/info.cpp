@@ -21,7 +21,7 @@ namespace {
 struct Options {
   std::string path;
   bool json = false;
-  RawFlags raw;
+  VolumeFlags volume;
 };
 
 std::vector<double> list(Vec3d v) {
@@ -73,8 +73,8 @@ Result<nlohmann::json> describe_store(const std::string& path) {
   return j;
 }
 
-Result<nlohmann::json> describe_volume(const std::string& path, const io::RawOptions& raw) {
-  GVX_ASSIGN(const auto reader, io::open_volume(path, raw));
+Result<nlohmann::json> describe_volume(const std::string& path, const io::VolumeOptions& volume_options) {
+  GVX_ASSIGN(const auto reader, io::open_volume(path, volume_options));
   const io::VolumeDescription& d = reader->description();
   nlohmann::json j = describe_place(d.dimensions, d.voxel_to_world, d.anatomical);
   j["format"] = "volume file";
@@ -84,6 +84,11 @@ Result<nlohmann::json> describe_volume(const std::string& path, const io::RawOpt
   j["scale"] = d.scale;
   j["offset"] = d.offset;
   j["sample_bytes"] = io::volume_bytes(d);
+  if (d.frames > 1) {
+    j["frames"] = d.frames;
+    j["frame"] = d.frame;
+  }
+  if (!d.remarks.empty()) j["remarks"] = d.remarks;
   return j;
 }
 
@@ -141,6 +146,13 @@ void print(const std::string& path, const nlohmann::json& j) {
   }
   row("spacing",
       joined(j["spacing"], ", ") + (j["anatomical"] ? " mm, patient space (x right, y front, z up)" : ""));
+  if (j.contains("frames")) {
+    row("frames",
+        j["frames"].dump() + ", of which this is " + j["frame"].dump() + " (--time chooses another)");
+  }
+  if (j.contains("remarks")) {
+    for (const std::string remark : j["remarks"]) row("note", remark);
+  }
   if (j.contains("value_range")) row("values", joined(j["value_range"], " to "));
   if (j["scale"] != 1.0 || j["offset"] != 0.0) {
     row("physical", number(j["scale"]) + " * stored + " + number(j["offset"]));
@@ -172,15 +184,15 @@ Command add_info(CLI::App& program) {
                    "A .gvx store, a RAW, NRRD, NIfTI or MetaImage file, or a mesh (PLY, OBJ, STL, glTF)")
       ->required();
   command->add_flag("--json", options->json, "As JSON");
-  options->raw.add_to(*command);
+  options->volume.add_to(*command);
   return [options]() -> Status {
     GVX_ASSIGN(const bool store, is_store(options->path));
-    GVX_ASSIGN(const io::RawOptions raw, options->raw.parse());
+    GVX_ASSIGN(const io::VolumeOptions volume_options, options->volume.parse());
     const bool mesh = !store && io::is_mesh_name(options->path);
-    if (mesh && options->raw.given()) return options->raw.refuse(options->path);
+    if (mesh && options->volume.given()) return options->volume.refuse(options->path);
     GVX_ASSIGN(const nlohmann::json j, store  ? describe_store(options->path)
                                        : mesh ? describe_mesh(options->path)
-                                              : describe_volume(options->path, raw));
+                                              : describe_volume(options->path, volume_options));
     if (options->json) {
       std::printf("%s\n", j.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     } else {

@@ -10,6 +10,7 @@
 
 #include "build_report.h"
 #include "built_in_scenes.h"
+#include "commands.h"
 #include "gvx/io/mesh.h"
 #include "gvx/io/scratch_file.h"
 #include "gvx/io/store_build.h"
@@ -52,7 +53,7 @@ VoxelFormat format_of(const io::VolumeDescription& volume) {
           VoxelContent::scalar, static_cast<std::uint32_t>(volume.components)};
 }
 
-Status fill_store(const Devices& devices, const std::string& path, const io::RawOptions& raw,
+Status fill_store(const Devices& devices, const std::string& path, const io::VolumeOptions& volume_options,
                   scene::GenerateParts& parts, const BeforeBuild& before_build, const std::string& folder,
                   const std::string& store_path) {
   const std::string title = "building a temporary store (gvx build keeps it)";
@@ -68,7 +69,7 @@ Status fill_store(const Devices& devices, const std::string& path, const io::Raw
     (void)report;
     return {};
   }
-  GVX_ASSIGN(const auto volume, io::open_volume(path, raw));
+  GVX_ASSIGN(const auto volume, io::open_volume(path, volume_options));
   GVX_TRY(check_all_taken(path, parts));
   GVX_TRY(before_build(format_of(volume->description())));
   io::StoreBuildOptions options;
@@ -87,7 +88,7 @@ Status fill_store(const Devices& devices, const std::string& path, const io::Raw
 /// Builds a store that never has a name, so that nothing is left behind however the program ends.
 Result<std::unique_ptr<store::StoreReader>> build_nameless_store(const Devices& devices,
                                                                  const std::string& path,
-                                                                 const io::RawOptions& raw,
+                                                                 const io::VolumeOptions& volume_options,
                                                                  scene::GenerateParts& parts,
                                                                  const BeforeBuild& before_build) {
   std::error_code error;
@@ -100,7 +101,7 @@ Result<std::unique_ptr<store::StoreReader>> build_nameless_store(const Devices& 
     return of_store ? Error{"temporary store in " + folder + failure.message.substr(store_path.size())}
                     : failure;
   };
-  const Status filled = fill_store(devices, path, raw, parts, before_build, folder, store_path);
+  const Status filled = fill_store(devices, path, volume_options, parts, before_build, folder, store_path);
   if (!filled.ok()) return in_words(filled.error());
   auto reader = store::StoreReader::open(store_path);
   if (!reader.ok()) return in_words(reader.error());
@@ -135,11 +136,12 @@ scene::ValueStatistics value_statistics(const produce::TreeDescription& tree, st
 namespace {
 
 /// What is typed, with what was said of it that no scene has taken yet.
-Result<Scene> open_part(const Devices& devices, const std::string& name, const io::RawOptions& raw,
-                        scene::GenerateParts& parts, const BeforeBuild& before_build);
+Result<Scene> open_part(const Devices& devices, const std::string& name,
+                        const io::VolumeOptions& volume_options, scene::GenerateParts& parts,
+                        const BeforeBuild& before_build);
 
 /// COPIES:SCENE, or SCENE, which is shown 8 times along each axis.
-Result<Scene> open_repeated(const Devices& devices, std::string name, const io::RawOptions& raw,
+Result<Scene> open_repeated(const Devices& devices, std::string name, const io::VolumeOptions& volume_options,
                             scene::GenerateParts& parts, const BeforeBuild& before_build) {
   std::int64_t copies = 8;
   const std::size_t digits = name.find_first_not_of("0123456789");
@@ -150,7 +152,7 @@ Result<Scene> open_repeated(const Devices& devices, std::string name, const io::
       return Error{"repeat: the number of copies along an axis must be a power of 2, from 2 on"};
     }
   }
-  GVX_ASSIGN(Scene one, open_part(devices, name, raw, parts, before_build));
+  GVX_ASSIGN(Scene one, open_part(devices, name, volume_options, parts, before_build));
   const auto levels = static_cast<std::uint32_t>(std::countr_zero(static_cast<std::uint64_t>(copies)));
   auto many = produce::RepeatProducer::create(std::move(one.producer), levels);
   if (!many.ok()) return Error{name + ": " + many.error().message};
@@ -169,8 +171,9 @@ Result<Scene> add_noise_in_march(Scene volume, const std::string& name,
   return Scene{std::move(deeper).value(), volume.preset, noise};
 }
 
-Result<Scene> open_amplified(const Devices& devices, const std::string& name, const io::RawOptions& raw,
-                             scene::GenerateParts& parts, const BeforeBuild& before_build) {
+Result<Scene> open_amplified(const Devices& devices, const std::string& name,
+                             const io::VolumeOptions& volume_options, scene::GenerateParts& parts,
+                             const BeforeBuild& before_build) {
   produce::AmplifyOptions options;
   options.levels = static_cast<std::uint32_t>(parts.levels.value_or(options.levels));
   options.strength = parts.strength.value_or(options.strength);
@@ -180,17 +183,20 @@ Result<Scene> open_amplified(const Devices& devices, const std::string& name, co
   parts.strength.reset(), parts.gain.reset();
   const bool in_march = parts.in_march.value_or(false);
   parts.in_march.reset();
-  GVX_ASSIGN(Scene one, open_part(devices, name, raw, parts, before_build));
+  GVX_ASSIGN(Scene one, open_part(devices, name, volume_options, parts, before_build));
   if (in_march) return add_noise_in_march(std::move(one), name, options);
   auto rich = produce::AmplifyProducer::create(std::move(one.producer), options);
   if (!rich.ok()) return Error{name + ": " + rich.error().message};
   return Scene{std::move(rich).value(), one.preset, one.noise};
 }
 
-Result<Scene> open_part(const Devices& devices, const std::string& name, const io::RawOptions& raw,
-                        scene::GenerateParts& parts, const BeforeBuild& before_build) {
-  if (name.starts_with("repeat:")) return open_repeated(devices, name.substr(7), raw, parts, before_build);
-  if (name.starts_with("amplify:")) return open_amplified(devices, name.substr(8), raw, parts, before_build);
+Result<Scene> open_part(const Devices& devices, const std::string& name,
+                        const io::VolumeOptions& volume_options, scene::GenerateParts& parts,
+                        const BeforeBuild& before_build) {
+  if (name.starts_with("repeat:"))
+    return open_repeated(devices, name.substr(7), volume_options, parts, before_build);
+  if (name.starts_with("amplify:"))
+    return open_amplified(devices, name.substr(8), volume_options, parts, before_build);
   GVX_ASSIGN(std::optional<Scene> built_in, open_built_in_scene(devices.render, name, parts));
   if (built_in) return std::move(*built_in);
   GVX_ASSIGN(const bool store, is_store(name));
@@ -198,7 +204,7 @@ Result<Scene> open_part(const Devices& devices, const std::string& name, const i
   if (store) {
     GVX_ASSIGN(reader, store::StoreReader::open(name));
   } else {
-    GVX_ASSIGN(reader, build_nameless_store(devices, name, raw, parts, before_build));
+    GVX_ASSIGN(reader, build_nameless_store(devices, name, volume_options, parts, before_build));
   }
   auto producer = std::make_shared<produce::StoreProducer>(std::move(reader));
   const std::string preset = scene::suggest_preset(value_statistics(producer->description(), 0));
@@ -207,14 +213,15 @@ Result<Scene> open_part(const Devices& devices, const std::string& name, const i
 
 }  // namespace
 
-Result<Scene> open_scene(const Devices& devices, const std::string& name, const io::RawOptions& raw,
-                         scene::GenerateParts parts, const BeforeBuild& before_build) {
-  GVX_ASSIGN(Scene opened, open_part(devices, name, raw, parts, before_build));
+Result<Scene> open_scene(const Devices& devices, const std::string& name,
+                         const io::VolumeOptions& volume_options, scene::GenerateParts parts,
+                         const BeforeBuild& before_build) {
+  GVX_ASSIGN(Scene opened, open_part(devices, name, volume_options, parts, before_build));
   GVX_TRY(check_all_taken(name, parts));
   return opened;
 }
 
-void RawFlags::add_to(CLI::App& command) {
+void VolumeFlags::add_to(CLI::App& command) {
   const char* group = "Raw input";
   command.add_option("--dims", dims_, "Voxels along X,Y,Z of a raw file")->group(group);
   command.add_option("--dtype", dtype_, "Type of its samples: u8 i8 u16 i16 u32 i32 u64 i64 f32 f64")
@@ -225,19 +232,39 @@ void RawFlags::add_to(CLI::App& command) {
       ->group(group);
   command.add_option("--offset", offset_, "Bytes before its first sample")->group(group);
   command.add_option("--spacing", spacing_, "Size of a voxel along X,Y,Z, of any format")->group(group);
+  const char* choice = "Volumes of several series or frames";
+  command
+      .add_option("--series", series_,
+                  "Series of a DICOM folder, by its number or UID as gvx info lists them")
+      ->check(not_empty())
+      ->group(choice);
+  command.add_option("--time", time_, "Frame of a volume that changes with time, from 0")
+      ->check(CLI::NonNegativeNumber)
+      ->group(choice);
+  command
+      .add_flag("--even-slices", even_slices_,
+                "Resample DICOM slices that are uneven, tilted or missing to an even, upright grid")
+      ->group(choice);
 }
 
-bool RawFlags::given() const {
-  return !dims_.empty() || !dtype_.empty() || !endian_.empty() || !spacing_.empty() || offset_ || components_;
+bool VolumeFlags::given() const {
+  return !dims_.empty() || !dtype_.empty() || !endian_.empty() || !spacing_.empty() || offset_ ||
+         components_ || !series_.empty() || time_ || even_slices_;
 }
 
-Error RawFlags::refuse(const std::string& path, const char* what) {
-  return Error{path + ": --dims, --dtype, --endian, --components, --offset and --spacing do not apply to " +
+Error VolumeFlags::refuse(const std::string& path, const char* what) {
+  return Error{path +
+               ": --dims, --dtype, --endian, --components, --offset, --spacing, --series, --time and "
+               "--even-slices do not apply to " +
                what};
 }
 
-Result<io::RawOptions> RawFlags::parse() const {
-  io::RawOptions raw;
+Result<io::VolumeOptions> VolumeFlags::parse() const {
+  io::VolumeOptions options;
+  io::RawOptions& raw = options.raw;
+  if (!series_.empty()) options.series = series_;
+  options.time = time_;
+  options.even_slices = even_slices_;
   raw.offset = offset_;
   raw.components = components_;
   if (!dims_.empty()) {
@@ -255,7 +282,7 @@ Result<io::RawOptions> RawFlags::parse() const {
   if (!spacing_.empty()) {
     GVX_ASSIGN(raw.spacing, in_flag("--spacing", parse_vec3(spacing_)));
   }
-  return raw;
+  return options;
 }
 
 }  // namespace gvx::app

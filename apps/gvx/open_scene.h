@@ -11,7 +11,7 @@
 
 #include "gvx/core/result.h"
 #include "gvx/exec/device.h"
-#include "gvx/io/raw.h"
+#include "gvx/io/volume_options.h"
 #include "gvx/produce/producer.h"
 #include "gvx/scene/scene_file.h"
 #include "gvx/scene/transfer_function.h"
@@ -43,17 +43,18 @@ using BeforeBuild = std::function<Status(const VoxelFormat&)>;
 /// Opens SCENE. `parts` say how it is made. An error where one of them does not apply to the scene, or where
 /// `before_build` fails. Another program's volume or mesh is built into a store without a name in the
 /// temporary folder, which goes when the program does; warnings of that go to standard error.
-Result<Scene> open_scene(const Devices& devices, const std::string& name, const io::RawOptions& raw,
+Result<Scene> open_scene(const Devices& devices, const std::string& name, const io::VolumeOptions& options,
                          scene::GenerateParts parts, const BeforeBuild& before_build);
 
 /// What a transfer function can fit itself to.
 scene::ValueStatistics value_statistics(const produce::TreeDescription& tree, std::size_t channel);
 
-/// Says a raw file's shape: --dims, --dtype, --endian, --offset, --spacing.
-class RawFlags {
+/// What is said of a volume file: a raw file's shape (--dims, --dtype, --endian, --offset, --spacing), and
+/// which of its series or frames is meant (--series, --time, --even-slices).
+class VolumeFlags {
  public:
   void add_to(CLI::App& command);
-  Result<io::RawOptions> parse() const;
+  Result<io::VolumeOptions> parse() const;
   /// Was any of them given?
   bool given() const;
   /// The error for input that they say nothing of.
@@ -63,6 +64,9 @@ class RawFlags {
   std::string dims_, dtype_, endian_, spacing_;
   std::optional<std::int64_t> offset_;
   std::optional<int> components_;
+  std::string series_;
+  std::optional<std::int64_t> time_;
+  bool even_slices_ = false;
 };
 
 }  // namespace gvx::app

@@ -83,15 +83,15 @@ Result<std::shared_ptr<const produce::Proxy>> make_proxy(std::optional<io::Trian
 /// An error where the volume is none that flags of raw files say anything of.
 Status check_takes_raw(const std::string& volume) {
   const std::string file = volume.substr(file_position(volume));
-  if (io::is_mesh_name(file)) return RawFlags::refuse(file);
+  if (io::is_mesh_name(file)) return VolumeFlags::refuse(file);
   std::error_code error;
   if (file == "-") return {};
   if (!std::filesystem::exists(file, error)) {
     const bool made = file.find_first_of("./") == std::string::npos;
-    return made ? Status(RawFlags::refuse(file, "a scene that is made")) : Status();
+    return made ? Status(VolumeFlags::refuse(file, "a scene that is made")) : Status();
   }
   GVX_ASSIGN(const bool store, is_store(file));
-  return store ? Status(RawFlags::refuse(file, "a store")) : Status();
+  return store ? Status(VolumeFlags::refuse(file, "a store")) : Status();
 }
 
 /// What the command line says: a scene file or a volume, and flags.
@@ -307,7 +307,7 @@ Status render(const Options& o) {
     return check_memory(engine_options.memory_bytes, tree);
   };
   GVX_ASSIGN(const Scene opened, open_scene({exec::Device::cpu(o.threads), device}, *scene.volume,
-                                            raw_options(scene.raw), scene.generate, before_build));
+                                            volume_options(scene), scene.generate, before_build));
   GVX_ASSIGN(scene, complete(scene, o.flags, opened));
   GVX_ASSIGN(const auto path, camera_path(scene));
   GVX_ASSIGN(render::View view, make_view(scene, o.flags, opened));

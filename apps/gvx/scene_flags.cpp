@@ -107,7 +107,7 @@ void SceneFlags::add_to(CLI::App& command) {
   command.add_option(
       "--detail", detail_,
       "Voxels across a pixel where levels of detail are chosen: 2 is sharp, 1 loads a quarter (2)");
-  raw_.add_to(command);
+  volume_flags_.add_to(command);
   add_generate_to(command);
 }
 
@@ -132,7 +132,7 @@ void SceneFlags::add_generate_to(CLI::App& command) {
 
 Status SceneFlags::apply(scene::SceneFile& scene) const {
   if (!volume_.empty()) scene.volume = volume_;
-  GVX_TRY(apply_raw(scene.raw));
+  GVX_TRY(apply_volume(scene));
   apply_generate(scene.generate);
   if (!size_.empty()) {
     GVX_ASSIGN(const Size size, in_flag("--size", parse_size(size_)));
@@ -176,14 +176,18 @@ Status SceneFlags::apply_lighting(scene::LightingParts& lighting) const {
   return {};
 }
 
-Status SceneFlags::apply_raw(scene::RawParts& raw) const {
-  GVX_ASSIGN(const io::RawOptions given, raw_.parse());
-  if (given.dimensions) raw.dimensions = given.dimensions;
-  if (given.type) raw.type = io::sample_name(*given.type);
-  if (given.big_endian) raw.big_endian = given.big_endian;
-  if (given.offset) raw.offset = given.offset;
-  if (given.spacing) raw.spacing = given.spacing;
-  if (given.components) raw.components = given.components;
+Status SceneFlags::apply_volume(scene::SceneFile& scene) const {
+  GVX_ASSIGN(const io::VolumeOptions given, volume_flags_.parse());
+  scene::RawParts& raw = scene.raw;
+  if (given.raw.dimensions) raw.dimensions = given.raw.dimensions;
+  if (given.raw.type) raw.type = io::sample_name(*given.raw.type);
+  if (given.raw.big_endian) raw.big_endian = given.raw.big_endian;
+  if (given.raw.offset) raw.offset = given.raw.offset;
+  if (given.raw.spacing) raw.spacing = given.raw.spacing;
+  if (given.raw.components) raw.components = given.raw.components;
+  if (given.series) scene.series = given.series;
+  if (given.time) scene.time = given.time;
+  if (given.even_slices) scene.even_slices = true;
   return {};
 }
 

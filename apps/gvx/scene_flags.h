@@ -33,11 +33,11 @@ class SceneFlags {
   bool has_isovalue() const { return isovalue_.has_value(); }
   bool has_functions() const { return !functions_.empty(); }
   /// Was anything said of a raw file?
-  bool has_raw() const { return raw_.given(); }
+  bool has_raw() const { return volume_flags_.given(); }
 
  private:
   Status apply_lighting(scene::LightingParts& lighting) const;
-  Status apply_raw(scene::RawParts& raw) const;
+  Status apply_volume(scene::SceneFile& scene) const;
   void add_generate_to(CLI::App& command);
   void apply_generate(scene::GenerateParts& parts) const;
 
@@ -47,7 +47,7 @@ class SceneFlags {
   std::optional<double> isovalue_, ambient_, diffuse_, specular_, shininess_, samples_, detail_;
   bool shaded_ = true, transparent_ = false, finest_ = false, in_march_ = false;
   CLI::Option *shaded_option_ = nullptr, *transparent_option_ = nullptr, *finest_option_ = nullptr;
-  RawFlags raw_;
+  VolumeFlags volume_flags_;
   scene::GenerateParts generate_;
 };
 

@@ -10,11 +10,11 @@
 
 namespace gvx::app {
 
-std::vector<std::string> files_of(const std::string& input, const io::RawOptions& raw) {
+std::vector<std::string> files_of(const std::string& input, const io::VolumeOptions& options) {
   std::error_code error;
   // To look into a pipe would take away what is in it.
   if (!std::filesystem::is_regular_file(input, error)) return {input};
-  return io::is_mesh_name(input) ? io::mesh_files(input) : io::volume_files(input, raw);
+  return io::is_mesh_name(input) ? io::mesh_files(input) : io::volume_files(input, options);
 }
 
 std::vector<std::string> files_of_scene(const std::string& scene_path, const scene::SceneFile& scene,
@@ -23,7 +23,7 @@ std::vector<std::string> files_of_scene(const std::string& scene_path, const sce
   const auto add = [&](const std::vector<std::string>& more) {
     files.insert(files.end(), more.begin(), more.end());
   };
-  if (scene.volume) add(files_of(scene.volume->substr(file_position(*scene.volume)), raw_options(scene.raw)));
+  if (scene.volume) add(files_of(scene.volume->substr(file_position(*scene.volume)), volume_options(scene)));
   for (const scene::FunctionParts& function : scene.functions) {
     if (!function.from.empty()) files.push_back(function.from);
   }

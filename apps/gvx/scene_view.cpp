@@ -188,14 +188,17 @@ bool has_no_place(const std::string& name) {
 
 }  // namespace
 
-io::RawOptions raw_options(const scene::RawParts& raw) {
-  io::RawOptions options;
-  options.dimensions = raw.dimensions;
-  if (raw.type) options.type = io::parse_sample_type(*raw.type);
-  options.big_endian = raw.big_endian;
-  options.offset = raw.offset;
-  options.spacing = raw.spacing;
-  options.components = raw.components;
+io::VolumeOptions volume_options(const scene::SceneFile& scene) {
+  io::VolumeOptions options;
+  options.raw.dimensions = scene.raw.dimensions;
+  if (scene.raw.type) options.raw.type = io::parse_sample_type(*scene.raw.type);
+  options.raw.big_endian = scene.raw.big_endian;
+  options.raw.offset = scene.raw.offset;
+  options.raw.spacing = scene.raw.spacing;
+  options.raw.components = scene.raw.components;
+  options.series = scene.series;
+  options.time = scene.time;
+  options.even_slices = scene.even_slices.value_or(false);
   return options;
 }
 

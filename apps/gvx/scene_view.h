@@ -13,7 +13,7 @@
 namespace gvx::app {
 
 /// What is known of a raw file, as readers take it.
-io::RawOptions raw_options(const scene::RawParts& raw);
+io::VolumeOptions volume_options(const scene::SceneFile& scene);
 
 /// What can be said of a scene before its volume is opened: an error where a function is neither a file that
 /// can be read nor a preset, where a camera is no view, or where flags do not go together.

@@ -19,13 +19,13 @@ bool same_place(const VolumeDescription& a, const VolumeDescription& b) {
 
 }  // namespace
 
-ChannelMerger::ChannelMerger(std::vector<std::unique_ptr<VolumeReader>> channels)
+ChannelMerger::ChannelMerger(std::vector<std::unique_ptr<SliceReader>> channels)
     : channels_(std::move(channels)), description_(channels_.front()->description()) {
   description_.components = static_cast<int>(channels_.size());
 }
 
 Result<std::unique_ptr<ChannelMerger>> ChannelMerger::merge(
-    std::vector<std::unique_ptr<VolumeReader>> channels) {
+    std::vector<std::unique_ptr<SliceReader>> channels) {
   GVX_CHECK(!channels.empty());
   const VolumeDescription& first = channels.front()->description();
   if (channels.size() > 4) return file_error(first.path, "channels: expected at most 4 volumes");

@@ -14,7 +14,7 @@ class ChannelMerger final : public SliceReader {
  public:
   /// Up to four volumes of one component; an error that names the first whose dimensions, sample type, value
   /// scale or place (to a voxel) are not those of the first.
-  static Result<std::unique_ptr<ChannelMerger>> merge(std::vector<std::unique_ptr<VolumeReader>> channels);
+  static Result<std::unique_ptr<ChannelMerger>> merge(std::vector<std::unique_ptr<SliceReader>> channels);
 
   const VolumeDescription& description() const override { return description_; }
   Status read_slices(std::int64_t count, std::span<std::byte> out) override;
@@ -24,9 +24,9 @@ class ChannelMerger final : public SliceReader {
   std::vector<Surplus> surplus() override;
 
  private:
-  explicit ChannelMerger(std::vector<std::unique_ptr<VolumeReader>> channels);
+  explicit ChannelMerger(std::vector<std::unique_ptr<SliceReader>> channels);
 
-  std::vector<std::unique_ptr<VolumeReader>> channels_;
+  std::vector<std::unique_ptr<SliceReader>> channels_;
   VolumeDescription description_;
   std::vector<std::byte> slices_;
 };

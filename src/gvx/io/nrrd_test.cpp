@@ -214,11 +214,11 @@ TEST(Nrrd, GivenSpacingKeepsDirectionsAndTheFirstVoxel) {
   write_file(path, small_nrrd("encoding: raw\nspace: RAS\nspace directions: (0,2,0) (3,0,0) (0,0,4)\n"
                               "space origin: (10,20,30)\n",
                               little_u8()));
-  const auto description = describe(path, {.spacing = Vec3d(1, 5, 6)});
+  const auto description = describe(path, RawOptions{.spacing = Vec3d(1, 5, 6)});
   ASSERT_TRUE(description.ok()) << outcome(description);
   EXPECT_EQ(description.value().voxel_to_world.point({0.5, 0.5, 0.5}), Vec3d(10, 20, 30));
   EXPECT_EQ(description.value().voxel_to_world.point({1.5, 1.5, 1.5}), Vec3d(15, 21, 36));
-  EXPECT_NE(outcome(describe(path, {.dimensions = kSmallDimensions})).find("describes itself"),
+  EXPECT_NE(outcome(describe(path, RawOptions{.dimensions = kSmallDimensions})).find("describes itself"),
             std::string::npos);
 }
 

@@ -58,7 +58,7 @@ TEST(RawVolume, OptionsWinOverTheName) {
 TEST(RawVolume, AnyNameWithDimensions) {
   const std::string path = temporary_path("volume.weird");
   write_file(path, small_samples(SampleType::u8, false));
-  EXPECT_TRUE(load(path, {.dimensions = kSmallDimensions, .type = SampleType::u8}).ok());
+  EXPECT_TRUE(load(path, RawOptions{.dimensions = kSmallDimensions, .type = SampleType::u8}).ok());
   EXPECT_NE(outcome(load(path)).find("name: expected"), std::string::npos);
 }
 
@@ -95,12 +95,12 @@ TEST(RawVolume, TheSizeIsCheckedBeforeReading) {
   EXPECT_EQ(outcome(describe(path)), path + ": size: expected 48 bytes of data, found 47");
   write_file(path, std::string(49, 'a'));
   EXPECT_EQ(outcome(describe(path)), path + ": size: expected 48 bytes of data, found 49");
-  EXPECT_TRUE(describe(path, {.offset = 1}).ok());
+  EXPECT_TRUE(describe(path, RawOptions{.offset = 1}).ok());
   write_file(path, std::string(60, 'a'));
-  EXPECT_TRUE(describe(path, {.offset = 1}).ok());
-  EXPECT_FALSE(describe(path, {.offset = 13}).ok());
-  EXPECT_FALSE(describe(path, {.offset = -1}).ok());
-  EXPECT_FALSE(describe(path, {.offset = std::numeric_limits<std::int64_t>::max()}).ok());
+  EXPECT_TRUE(describe(path, RawOptions{.offset = 1}).ok());
+  EXPECT_FALSE(describe(path, RawOptions{.offset = 13}).ok());
+  EXPECT_FALSE(describe(path, RawOptions{.offset = -1}).ok());
+  EXPECT_FALSE(describe(path, RawOptions{.offset = std::numeric_limits<std::int64_t>::max()}).ok());
 }
 
 TEST(RawVolume, ImpossibleDimensionsAndSpacings) {
@@ -108,7 +108,7 @@ TEST(RawVolume, ImpossibleDimensionsAndSpacings) {
   write_file(path, "x");
   constexpr std::int64_t kLongest = 2147483647;
   const auto with = [&](Vec3i dimensions) {
-    return outcome(describe(path, {.dimensions = dimensions, .type = SampleType::f64}));
+    return outcome(describe(path, RawOptions{.dimensions = dimensions, .type = SampleType::f64}));
   };
   EXPECT_NE(with({0, 1, 1}).find("found 0"), std::string::npos);
   EXPECT_NE(with({-4, 3, -2}).find("found -4"), std::string::npos);
@@ -127,7 +127,7 @@ TEST(RawVolume, MissingHintsFilesAndFolders) {
   const std::string path = temporary_path("nothing.raw");
   write_file(path, "x");
   EXPECT_NE(outcome(describe(path)).find("dimensions: expected"), std::string::npos);
-  EXPECT_NE(outcome(describe(path, {.dimensions = Vec3i(1, 1, 1)})).find("type: expected"),
+  EXPECT_NE(outcome(describe(path, RawOptions{.dimensions = Vec3i(1, 1, 1)})).find("type: expected"),
             std::string::npos);
   EXPECT_NE(outcome(describe(temporary_path("missing_1x1x1_u8.raw"))).find("cannot open"), std::string::npos);
   const RawOptions one{.dimensions = Vec3i(1, 1, 1), .type = SampleType::u8};
@@ -141,7 +141,8 @@ TEST(RawVolume, APipeIsReadOnceAndCannotRewind) {
   for (const bool whole : {true, false}) {
     const std::string bytes = small_samples(SampleType::u16, false).substr(0, whole ? 48 : 31);
     std::thread writer([&] { write_file(path, bytes); });
-    const auto reader = open_volume(path, {.dimensions = kSmallDimensions, .type = SampleType::u16});
+    const auto reader =
+        open_volume(path, RawOptions{.dimensions = kSmallDimensions, .type = SampleType::u16});
     const auto samples = reader.ok() ? read_all(*reader.value()) : Error(reader.error());
     writer.join();
     ASSERT_TRUE(reader.ok()) << outcome(reader);
@@ -158,9 +159,10 @@ TEST(RawVolume, StandardInput) {
   const int input = open(path.c_str(), O_RDONLY);
   ASSERT_GE(input, 0);
   ASSERT_EQ(dup2(input, STDIN_FILENO), STDIN_FILENO);
-  const auto samples =
-      load("-", {.dimensions = kSmallDimensions, .type = SampleType::u16, .big_endian = true, .offset = 4});
-  const auto without_type = describe("-", {.dimensions = kSmallDimensions});
+  const auto samples = load(
+      "-",
+      RawOptions{.dimensions = kSmallDimensions, .type = SampleType::u16, .big_endian = true, .offset = 4});
+  const auto without_type = describe("-", RawOptions{.dimensions = kSmallDimensions});
   close(input);
   if (kept >= 0) {
     dup2(kept, STDIN_FILENO);

@@ -21,8 +21,8 @@ std::string data_folder() {
   if (folder.empty()) GTEST_SKIP() << "set GVX_TEST_DATA to the folder with third-party test data"
 
 /// Least and greatest physical value, one slice in memory at a time.
-Result<std::pair<double, double>> physical_range(const std::string& path, const RawOptions& raw = {}) {
-  GVX_ASSIGN(const auto reader, open_volume(path, raw));
+Result<std::pair<double, double>> physical_range(const std::string& path, const VolumeOptions& options = {}) {
+  GVX_ASSIGN(const auto reader, open_volume(path, options));
   const VolumeDescription& description = reader->description();
   std::vector<std::byte> slice(slice_bytes(description));
   double least = std::numeric_limits<double>::infinity(), greatest = -least;

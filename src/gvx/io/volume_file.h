@@ -22,6 +22,12 @@
 
 namespace gvx::io {
 
+/// What a file says of one of its channels.
+struct ChannelDescription {
+  std::string name;            ///< Empty where the file has none.
+  std::optional<Vec3f> color;  ///< In which it is shown: red, green, blue from 0 to 1.
+};
+
 /// A volume as its file states it. Voxel (i, j, k) covers the unit cube [i, i+1) x [j, j+1) x [k, k+1) of
 /// voxel space, so its centre is at (i+0.5, j+0.5, k+0.5).
 struct VolumeDescription {
@@ -36,6 +42,11 @@ struct VolumeDescription {
       false;         ///< World space is a patient: x to the right, y to the front, z up, in millimetres.
   double scale = 1;  ///< Physical value = scale * stored sample + offset.
   double offset = 0;
+  std::int64_t frames = 1;  ///< Points in time that the file has; the volume is one of them.
+  std::int64_t frame = 0;
+  std::vector<ChannelDescription> channels = {};  ///< One a component, or none.
+  /// What a person should know, a line each: slices that are tilted, uneven or missing, what is not used.
+  std::vector<std::string> remarks = {};
 };
 
 /// As VolumeFile::byte_skip: the samples are the last of the decoded bytes.

@@ -266,14 +266,18 @@ Status VolumeReader::rewind() {
   return skip_to_first_sample();
 }
 
-Result<std::unique_ptr<VolumeReader>> open_volume(const std::string& path, const RawOptions& raw) {
-  GVX_ASSIGN(VolumeFile file, describe(path, raw));
-  return VolumeReader::open(std::move(file));
+Result<std::unique_ptr<SliceReader>> open_volume(const std::string& path, const VolumeOptions& options) {
+  if (options.series) return file_error(path, "series: only folders of DICOM files have several");
+  if (options.time) return file_error(path, "time: the volume does not change with time");
+  if (options.even_slices) return file_error(path, "even slices: only DICOM files have uneven ones");
+  GVX_ASSIGN(VolumeFile file, describe(path, options.raw));
+  GVX_ASSIGN(std::unique_ptr<SliceReader> reader, VolumeReader::open(std::move(file)));
+  return reader;
 }
 
-std::vector<std::string> volume_files(const std::string& path, const RawOptions& raw) {
+std::vector<std::string> volume_files(const std::string& path, const VolumeOptions& options) {
   std::vector<std::string> files = {path};
-  const auto described = describe(path, raw);
+  const auto described = describe(path, options.raw);
   if (!described.ok()) return files;
   const auto add = [&](const std::string& file) {
     if (!file.empty() && file != path) files.push_back(file);

@@ -14,8 +14,8 @@
 
 #include "gvx/core/result.h"
 #include "gvx/io/byte_stream.h"
-#include "gvx/io/raw.h"
 #include "gvx/io/volume_file.h"
+#include "gvx/io/volume_options.h"
 
 namespace gvx::io {
 
@@ -86,12 +86,12 @@ class VolumeReader final : public SliceReader {
 };
 
 /// Opens .nrrd, .nhdr, .nii, .hdr/.img, .mha and .mhd (NIfTI also with .gz), and raw samples: .raw, .bin and
-/// .dat (also with .gz or .bz2), any other name when `raw` gives the dimensions, and "-" for standard input.
-/// The spacing in `raw` replaces that of any format; its other options are an error for files that describe
-/// themselves.
-Result<std::unique_ptr<VolumeReader>> open_volume(const std::string& path, const RawOptions& raw);
+/// .dat (also with .gz or .bz2), any other name when `options.raw` gives the dimensions, and "-" for standard
+/// input. The spacing in `options.raw` replaces that of any format; its other options are an error for files
+/// that describe themselves, as are options that the format does not take.
+Result<std::unique_ptr<SliceReader>> open_volume(const std::string& path, const VolumeOptions& options);
 
 /// The files that open_volume() would read, as far as the header says; `path` alone where it cannot be read.
-std::vector<std::string> volume_files(const std::string& path, const RawOptions& raw);
+std::vector<std::string> volume_files(const std::string& path, const VolumeOptions& options);
 
 }  // namespace gvx::io

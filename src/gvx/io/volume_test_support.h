@@ -72,7 +72,7 @@ inline std::string native_small_samples(SampleType type) {
 }
 
 /// All slices, read `step` at a time.
-inline Result<std::string> read_all(VolumeReader& reader, std::int64_t step = 1) {
+inline Result<std::string> read_all(SliceReader& reader, std::int64_t step = 1) {
   const std::uint64_t slice = slice_bytes(reader.description());
   const std::int64_t depth = reader.description().dimensions.z;
   std::string samples;
@@ -86,16 +86,16 @@ inline Result<std::string> read_all(VolumeReader& reader, std::int64_t step = 1)
 }
 
 /// Opens and reads a whole volume, or gives up with an error where it has more bytes than `limit`.
-inline Result<std::string> load(const std::string& path, const RawOptions& raw = {},
+inline Result<std::string> load(const std::string& path, const VolumeOptions& options = {},
                                 std::uint64_t limit = 1 << 26) {
-  GVX_ASSIGN(const auto reader, open_volume(path, raw));
+  GVX_ASSIGN(const auto reader, open_volume(path, options));
   if (volume_bytes(reader->description()) > limit) return Error{path + ": larger than the test wants"};
   return read_all(*reader);
 }
 
 /// Opens a volume and returns its description.
-inline Result<VolumeDescription> describe(const std::string& path, const RawOptions& raw = {}) {
-  GVX_ASSIGN(const auto reader, open_volume(path, raw));
+inline Result<VolumeDescription> describe(const std::string& path, const VolumeOptions& options = {}) {
+  GVX_ASSIGN(const auto reader, open_volume(path, options));
   return reader->description();
 }
 

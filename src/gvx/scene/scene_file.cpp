@@ -22,6 +22,7 @@ constexpr NumberRange kPixels{1, 32768, true};
 constexpr NumberRange kVoxels{1, 0x7fffffff, true};
 constexpr NumberRange kComponents{1, kMaxChannels, true};
 constexpr NumberRange kBytes{0, 0x1p53, true};
+constexpr NumberRange kFrames{0, 0x1p31, true};
 constexpr NumberRange kFieldOfView{.least = 0, .most = 180, .open = true};
 constexpr NumberRange kWeight{0, 100};
 constexpr NumberRange kShininess{0, 10000};
@@ -221,6 +222,9 @@ Result<SceneFile> read_document(const Json& document) {
   SceneFile scene;
   scene.volume = fields.text("volume");
   read_object(fields, "raw", scene.raw, read_raw);
+  scene.series = fields.text("series");
+  if (const auto time = fields.number("time", kFrames)) scene.time = static_cast<std::int64_t>(*time);
+  scene.even_slices = fields.boolean("evenSlices");
   read_object(fields, "generate", scene.generate, read_generate);
   if (const auto size = fields.row("size", {kPixels, kPixels})) {
     scene.width = static_cast<std::uint32_t>((*size)[0]);

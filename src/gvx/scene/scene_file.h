@@ -85,6 +85,9 @@ struct LightingParts {
 struct SceneFile {
   std::optional<std::string> volume;
   RawParts raw;
+  std::optional<std::string> series;  ///< of a folder of DICOM files: its number or UID
+  std::optional<std::int64_t> time;   ///< frame of a volume that changes with time
+  std::optional<bool> even_slices;    ///< slices that are uneven or tilted are resampled
   GenerateParts generate;
   std::optional<std::uint32_t> width, height;  ///< both or none
   std::optional<std::uint32_t> antialias;

@@ -161,6 +161,9 @@ std::string to_json(const SceneFile& scene) {
   Json document = Json::object(), camera = Json::object(), path = Json::array(), functions = Json::array();
   put(document, "volume", scene.volume);
   put_unless_empty(document, "raw", to_object(scene.raw));
+  put(document, "series", scene.series);
+  put(document, "time", scene.time);
+  put(document, "evenSlices", scene.even_slices);
   put_unless_empty(document, "generate", to_object(scene.generate));
   if (scene.width && scene.height) document["size"] = {*scene.width, *scene.height};
   put(document, "antialias", scene.antialias);
