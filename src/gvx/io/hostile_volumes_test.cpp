@@ -70,7 +70,7 @@ std::string temporary(const Specimen& specimen) {
   return temporary_path("specimen" + specimen.extension);
 }
 
-TEST(HostileVolumes, SpecimensAreGood) {
+TEST(HostileVolumes, specimens_are_good) {
   for (const Specimen& good : specimens()) {
     write_file(temporary(good), good.bytes);
     const auto samples = load(temporary(good));
@@ -79,7 +79,7 @@ TEST(HostileVolumes, SpecimensAreGood) {
   }
 }
 
-TEST(HostileVolumes, EveryTruncationIsAnErrorOrTheSamples) {
+TEST(HostileVolumes, every_truncation_is_an_error_or_the_samples) {
   for (const Specimen& good : specimens()) {
     const std::string path = temporary(good);
     int errors = 0;
@@ -103,7 +103,7 @@ TEST(HostileVolumes, EveryTruncationIsAnErrorOrTheSamples) {
   }
 }
 
-TEST(HostileVolumes, FlippedBitsNeverBreakTheReader) {
+TEST(HostileVolumes, flipped_bits_never_break_the_reader) {
   std::mt19937 random(20240607);
   int errors = 0, successes = 0;
   for (const Specimen& good : specimens()) {
@@ -127,7 +127,7 @@ TEST(HostileVolumes, FlippedBitsNeverBreakTheReader) {
   EXPECT_GT(successes, 100);
 }
 
-TEST(HostileVolumes, JunkOfEveryExtension) {
+TEST(HostileVolumes, junk_of_every_extension) {
   std::mt19937 random(7);
   for (const char* extension : {".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".hdr", ".img"}) {
     const std::string path = temporary_path(std::string("junk") + extension);

@@ -16,7 +16,7 @@ std::vector<std::uint8_t> pattern(std::uint32_t width, std::uint32_t height) {
   return rgba;
 }
 
-TEST(PngImage, ComesBackAsItWasWritten) {
+TEST(PngImage, comes_back_as_it_was_written) {
   const std::string path = temporary_path("picture.png");
   for (const auto& [width, height] : {std::pair{1u, 1u}, {7u, 3u}, {300u, 200u}}) {
     const std::vector<std::uint8_t> rgba = pattern(width, height);
@@ -31,7 +31,7 @@ TEST(PngImage, ComesBackAsItWasWritten) {
   }
 }
 
-TEST(PngImage, WrongSizesAreErrors) {
+TEST(PngImage, wrong_sizes_are_errors) {
   const std::string path = temporary_path("wrong.png");
   std::filesystem::remove(path);
   const std::vector<std::uint8_t> rgba = pattern(2, 2);
@@ -42,7 +42,7 @@ TEST(PngImage, WrongSizesAreErrors) {
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 
-TEST(PngImage, EveryTruncationIsAnErrorOrThePicture) {
+TEST(PngImage, every_truncation_is_an_error_or_the_picture) {
   const std::string whole = temporary_path("whole.png"), cut = temporary_path("cut.png");
   ASSERT_TRUE(write_png(whole, 7, 3, pattern(7, 3)).ok());
   const std::string bytes = read_file(whole);
@@ -57,7 +57,7 @@ TEST(PngImage, EveryTruncationIsAnErrorOrThePicture) {
   }
 }
 
-TEST(PngImage, AHugeClaimIsRefusedBeforeMemoryIsTaken) {
+TEST(PngImage, a_huge_claim_is_refused_before_memory_is_taken) {
   const std::string path = temporary_path("huge.png");
   ASSERT_TRUE(write_png(path, 7, 3, pattern(7, 3)).ok());
   std::string bytes = read_file(path);
@@ -66,7 +66,7 @@ TEST(PngImage, AHugeClaimIsRefusedBeforeMemoryIsTaken) {
   EXPECT_FALSE(read_png(path).ok());
 }
 
-TEST(ExrImage, IsWrittenOrSaysThatItCannot) {
+TEST(ExrImage, is_written_or_says_that_it_cannot) {
   const std::string path = temporary_path("picture.exr");
   std::filesystem::remove(path);
   const std::vector<float> rgba(4 * 6 * 5, 0.25f);
@@ -80,7 +80,7 @@ TEST(ExrImage, IsWrittenOrSaysThatItCannot) {
   EXPECT_FALSE(write_exr(path, 6, 4, rgba).ok());
 }
 
-TEST(FileCommit, FailuresLeaveNothingAndKeepWhatWasThere) {
+TEST(FileCommit, failures_leave_nothing_and_keep_what_was_there) {
   const std::string nowhere = temporary_path("no_such_folder/picture.png");
   EXPECT_NE(outcome(write_png(nowhere, 1, 1, pattern(1, 1))).find("cannot create"), std::string::npos);
 
@@ -103,7 +103,7 @@ TEST(FileCommit, FailuresLeaveNothingAndKeepWhatWasThere) {
   EXPECT_EQ(read_file(kept), "after");
 }
 
-TEST(FileCommit, AFullDiskIsAnError) {
+TEST(FileCommit, a_full_disk_is_an_error) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
   const std::string path = temporary_path("full.png");
   std::filesystem::remove(path);

@@ -21,7 +21,7 @@ std::string little_u8() {
   return small_samples(SampleType::u8, false);
 }
 
-TEST(MetaImage, EverySampleTypeInBothByteOrders) {
+TEST(MetaImage, every_sample_type_in_both_byte_orders) {
   const std::map<SampleType, const char*> names = {
       {SampleType::u8, "MET_UCHAR"},       {SampleType::i8, "MET_CHAR"},
       {SampleType::u16, "MET_USHORT"},     {SampleType::i16, "MET_SHORT"},
@@ -42,7 +42,7 @@ TEST(MetaImage, EverySampleTypeInBothByteOrders) {
   }
 }
 
-TEST(MetaImage, PackedTextAndSkippedData) {
+TEST(MetaImage, packed_text_and_skipped_data) {
   const std::string path = temporary_path("packed.mha"), data = little_u8();
   std::string text;
   for (int i = 0; i < 24; ++i) text += std::to_string(i * 10) + " ";
@@ -60,7 +60,7 @@ TEST(MetaImage, PackedTextAndSkippedData) {
   }
 }
 
-TEST(MetaImage, DetachedDataBesideTheHeader) {
+TEST(MetaImage, detached_data_beside_the_header) {
   const std::string header = "NDims = 3\r\nDimSize = 4 3 2\r\nElementType = MET_UCHAR\r\n";
   write_file(temporary_path("detached.raw"), "HEAD" + little_u8());
   write_file(temporary_path("detached.mhd"), header + "HeaderSize = 4\r\nElementDataFile = detached.raw\r\n");
@@ -69,7 +69,7 @@ TEST(MetaImage, DetachedDataBesideTheHeader) {
   EXPECT_EQ(samples.value(), little_u8());
 }
 
-TEST(MetaImage, ListsAndPatternsOfDataFiles) {
+TEST(MetaImage, lists_and_patterns_of_data_files) {
   const std::string header = "NDims = 3\nDimSize = 4 3 2\nElementType = MET_UCHAR\n", data = little_u8();
   const std::string path = temporary_path("several.mhd");
   for (const char* name : {"slice01.raw", "slice04.raw"})
@@ -104,7 +104,7 @@ VolumeDescription described(const std::string& fields) {
   return description.ok() ? description.value() : VolumeDescription{};
 }
 
-TEST(MetaImage, SpacingAndOrientation) {
+TEST(MetaImage, spacing_and_orientation) {
   const VolumeDescription spaced = described("ElementSpacing = 0.5 1 2\nAnatomicalOrientation = ???\n");
   EXPECT_FALSE(spaced.anatomical);
   EXPECT_EQ(spaced.voxel_to_world, scaling({0.5, 1, 2}));
@@ -122,7 +122,7 @@ TEST(MetaImage, SpacingAndOrientation) {
   EXPECT_EQ(scaled.offset, -7);
 }
 
-TEST(MetaImage, TwoAndFourAxes) {
+TEST(MetaImage, two_and_four_axes) {
   const std::string path = temporary_path("axes.mha");
   const std::string tail = "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n" + little_u8();
   write_file(path, "NDims = 2\nDimSize = 6 4\nElementSpacing = 2 3\nTransformMatrix = 0 1 1 0\n" + tail);
@@ -136,7 +136,7 @@ TEST(MetaImage, TwoAndFourAxes) {
   EXPECT_NE(outcome(describe(path)).find("expected one volume, found 2"), std::string::npos);
 }
 
-TEST(MetaImage, ErrorsNameTheField) {
+TEST(MetaImage, errors_name_the_field) {
   const std::string path = temporary_path("error.mha"), data = little_u8();
   const auto expect_error = [&](const std::string& bytes, const std::string& part) {
     write_file(path, bytes);

@@ -60,7 +60,7 @@ Result<VolumeDescription> described(const Header& header) {
   return describe(path);
 }
 
-TEST(Nifti, EverySampleTypeInBothByteOrdersPlainAndPacked) {
+TEST(Nifti, every_sample_type_in_both_byte_orders_plain_and_packed) {
   for (const SampleType type : kAllSampleTypes) {
     for (const bool big_endian : {false, true}) {
       const std::string bytes = Header(type, big_endian).bytes + small_samples(type, big_endian);
@@ -75,7 +75,7 @@ TEST(Nifti, EverySampleTypeInBothByteOrdersPlainAndPacked) {
   }
 }
 
-TEST(Nifti, PairsByEitherName) {
+TEST(Nifti, pairs_by_either_name) {
   Header header(SampleType::u8);
   header.bytes.replace(344, 4, std::string("ni1\0", 4));
   header.set<float>(108, 0.0f).set_floats(80, {1, 2, 3});
@@ -101,7 +101,7 @@ TEST(Nifti, PairsByEitherName) {
   EXPECT_NE(outcome(load(temporary_path("lonely.img"))).find("lonely.hdr: cannot open"), std::string::npos);
 }
 
-TEST(Nifti, ScaleSlope) {
+TEST(Nifti, scale_slope) {
   Header header(SampleType::u8);
   header.set<float>(112, 2.5f).set<float>(116, -7.0f);
   EXPECT_EQ(described(header).value().scale, 2.5);
@@ -113,7 +113,7 @@ TEST(Nifti, ScaleSlope) {
   }
 }
 
-TEST(Nifti, SformThenQformThenPixdim) {
+TEST(Nifti, sform_then_qform_then_pixdim) {
   Header header(SampleType::u8);
   header.set_floats(80, {2, 3, 4});
   EXPECT_EQ(described(header).value().voxel_to_world, scaling({2, 3, 4}));
@@ -144,7 +144,7 @@ TEST(Nifti, SformThenQformThenPixdim) {
       1e-9);
 }
 
-TEST(Nifti, UnusableMatricesFallBack) {
+TEST(Nifti, unusable_matrices_fall_back) {
   Header header(SampleType::u8);
   const double nan = std::nan("");
   header.set_floats(80, {0, -3, nan}).set_shorts(252, {1, 1});
@@ -155,7 +155,7 @@ TEST(Nifti, UnusableMatricesFallBack) {
   EXPECT_FALSE(description.value().anatomical);
 }
 
-TEST(Nifti, ErrorsNameTheField) {
+TEST(Nifti, errors_name_the_field) {
   const auto expect_error = [](const Header& header, const std::string& part) {
     const std::string message = outcome(described(header));
     EXPECT_NE(message.find(part), std::string::npos) << message;
@@ -185,7 +185,7 @@ TEST(Nifti, ErrorsNameTheField) {
   EXPECT_TRUE(described(Header(good).set_floats(108, {0})).ok());
 }
 
-TEST(Nifti, CountsBelowOneAreOne) {
+TEST(Nifti, counts_below_one_are_one) {
   const Header good(SampleType::u8);
   EXPECT_EQ(described(Header(good).set_shorts(40, {4, 4, 3, 2, 0})).value().dimensions, kSmallDimensions);
   EXPECT_EQ(described(Header(good).set_shorts(40, {7, 4, 3, 2, -1, 0, 1, -32768})).value().dimensions,
@@ -220,7 +220,7 @@ struct Header2 {
   std::string bytes = std::string(544, '\0');
 };
 
-TEST(Nifti, SecondVersion) {
+TEST(Nifti, second_version) {
   const std::string path = temporary_path("second.nii");
   for (const SampleType type : kAllSampleTypes) {
     for (const bool big_endian : {false, true}) {

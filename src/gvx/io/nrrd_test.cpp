@@ -27,7 +27,7 @@ std::string outcome_of(const std::string& bytes) {
   return outcome(load(path));
 }
 
-TEST(Nrrd, EverySampleTypeInBothByteOrdersAndAsText) {
+TEST(Nrrd, every_sample_type_in_both_byte_orders_and_as_text) {
   const std::string path = temporary_path("types.nrrd");
   for (const SampleType type : kAllSampleTypes) {
     const std::string name =
@@ -56,7 +56,7 @@ TEST(Nrrd, EverySampleTypeInBothByteOrdersAndAsText) {
   }
 }
 
-TEST(Nrrd, PackedAndSkippedData) {
+TEST(Nrrd, packed_and_skipped_data) {
   const std::string data = little_u8();
   for (const std::string& bytes : {
            small_nrrd("encoding: gzip\n", deflated(data, kGzip)),
@@ -80,7 +80,7 @@ TEST(Nrrd, PackedAndSkippedData) {
   }
 }
 
-TEST(Nrrd, DetachedDataBesideTheHeader) {
+TEST(Nrrd, detached_data_beside_the_header) {
   const std::string header = "NRRD0001\r\ndimension: 3\r\nsizes: 4 3 2\r\ntype: uchar\r\nencoding: raw\r\n";
   write_file(temporary_path("detached.raw"), little_u8());
   write_file(temporary_path("detached.nhdr"), header + "data file: detached.raw\r\n");
@@ -100,7 +100,7 @@ void write_parts(const std::string& name, std::size_t parts, bool packed = false
   }
 }
 
-TEST(Nrrd, ListsOfDataFiles) {
+TEST(Nrrd, lists_of_data_files) {
   const std::string header =
       "NRRD0005\ndimension: 3\nsizes: 4 3 2\ntype: ushort\nendian: little\nencoding: raw\n";
   const std::string path = temporary_path("list.nhdr");
@@ -146,7 +146,7 @@ TEST(Nrrd, ListsOfDataFiles) {
   EXPECT_EQ(load(path).value(), native_small_samples(SampleType::u16));
 }
 
-TEST(Nrrd, ErrorsOfListsNameTheFile) {
+TEST(Nrrd, errors_of_lists_name_the_file) {
   const std::string header =
       "NRRD0005\ndimension: 3\nsizes: 4 3 2\ntype: ushort\nendian: little\nencoding: raw\n";
   const std::string path = temporary_path("list.nhdr");
@@ -188,7 +188,7 @@ VolumeDescription described(const std::string& fields) {
   return description.ok() ? description.value() : VolumeDescription{};
 }
 
-TEST(Nrrd, SpacingAndOrientation) {
+TEST(Nrrd, spacing_and_orientation) {
   const VolumeDescription spaced = described("spacings: 0.5 nan 2\n");
   EXPECT_EQ(spaced.voxel_to_world, scaling({0.5, 1, 2}));
   EXPECT_FALSE(spaced.anatomical);
@@ -209,7 +209,7 @@ TEST(Nrrd, SpacingAndOrientation) {
   EXPECT_FALSE(described("space: 3D-right-handed\n" + oriented).anatomical);
 }
 
-TEST(Nrrd, GivenSpacingKeepsDirectionsAndTheFirstVoxel) {
+TEST(Nrrd, given_spacing_keeps_directions_and_the_first_voxel) {
   const std::string path = temporary_path("respaced.nrrd");
   write_file(path, small_nrrd("encoding: raw\nspace: RAS\nspace directions: (0,2,0) (3,0,0) (0,0,4)\n"
                               "space origin: (10,20,30)\n",
@@ -222,7 +222,7 @@ TEST(Nrrd, GivenSpacingKeepsDirectionsAndTheFirstVoxel) {
             std::string::npos);
 }
 
-TEST(Nrrd, TwoAndFourAxes) {
+TEST(Nrrd, two_and_four_axes) {
   const std::string path = temporary_path("axes.nrrd");
   const std::string tail = "type: u8\nencoding: raw\n";
   write_file(path, "NRRD0004\ndimension: 2\nsizes: 6 4\n" + tail + "\n" + little_u8());
@@ -254,7 +254,7 @@ TEST(Nrrd, TwoAndFourAxes) {
   EXPECT_NE(outcome(describe(path)).find("found 1 axes"), std::string::npos);
 }
 
-TEST(Nrrd, ErrorsNameTheField) {
+TEST(Nrrd, errors_name_the_field) {
   const std::string data = little_u8();
   const auto expect_error = [](const std::string& bytes, const std::string& part) {
     const std::string message = outcome_of(bytes);

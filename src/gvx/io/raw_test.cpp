@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kGzip = 15 + 16;
 
-TEST(RawVolume, EverySampleTypeInBothByteOrders) {
+TEST(RawVolume, every_sample_type_in_both_byte_orders) {
   for (const SampleType type : kAllSampleTypes) {
     for (const bool big_endian : {false, true}) {
       const std::string path =
@@ -29,7 +29,7 @@ TEST(RawVolume, EverySampleTypeInBothByteOrders) {
   }
 }
 
-TEST(RawVolume, SlicesComeInAnyGroupingAndAgainAfterRewind) {
+TEST(RawVolume, slices_come_in_any_grouping_and_again_after_rewind) {
   const std::string path = temporary_path("v_4x3x2_u16.raw");
   write_file(path, small_samples(SampleType::u16, false));
   const auto reader = open_volume(path, {});
@@ -43,7 +43,7 @@ TEST(RawVolume, SlicesComeInAnyGroupingAndAgainAfterRewind) {
   }
 }
 
-TEST(RawVolume, OptionsWinOverTheName) {
+TEST(RawVolume, options_win_over_the_name) {
   const std::string path = temporary_path("v_9x9x9_f64_be.dat");
   write_file(path, "skip" + small_samples(SampleType::i16, false));
   RawOptions options{kSmallDimensions, SampleType::i16, false, 4, Vec3d(1, 2, 3)};
@@ -55,14 +55,14 @@ TEST(RawVolume, OptionsWinOverTheName) {
   EXPECT_FALSE(description.value().anatomical);
 }
 
-TEST(RawVolume, AnyNameWithDimensions) {
+TEST(RawVolume, any_name_with_dimensions) {
   const std::string path = temporary_path("volume.weird");
   write_file(path, small_samples(SampleType::u8, false));
   EXPECT_TRUE(load(path, RawOptions{.dimensions = kSmallDimensions, .type = SampleType::u8}).ok());
   EXPECT_NE(outcome(load(path)).find("name: expected"), std::string::npos);
 }
 
-TEST(RawVolume, PackedFilesAndConcatenatedMembers) {
+TEST(RawVolume, packed_files_and_concatenated_members) {
   const std::string plain = small_samples(SampleType::i16, true);
   const std::string first = plain.substr(0, 13), second = plain.substr(13);
   const std::string gz = temporary_path("v_4x3x2_i16_be.raw.gz"),
@@ -81,7 +81,7 @@ TEST(RawVolume, PackedFilesAndConcatenatedMembers) {
   }
 }
 
-TEST(RawVolume, ABrokenChecksumIsAnError) {
+TEST(RawVolume, a_broken_checksum_is_an_error) {
   const std::string path = temporary_path("checksum_4x3x2_u8.raw.gz");
   std::string packed = deflated(small_samples(SampleType::u8, false), kGzip);
   packed[packed.size() - 8] = static_cast<char>(packed[packed.size() - 8] ^ 1);
@@ -89,7 +89,7 @@ TEST(RawVolume, ABrokenChecksumIsAnError) {
   EXPECT_NE(outcome(load(path)).find("broken gzip"), std::string::npos) << outcome(load(path));
 }
 
-TEST(RawVolume, TheSizeIsCheckedBeforeReading) {
+TEST(RawVolume, the_size_is_checked_before_reading) {
   const std::string path = temporary_path("size_4x3x2_u16.raw");
   write_file(path, std::string(47, 'a'));
   EXPECT_EQ(outcome(describe(path)), path + ": size: expected 48 bytes of data, found 47");
@@ -103,7 +103,7 @@ TEST(RawVolume, TheSizeIsCheckedBeforeReading) {
   EXPECT_FALSE(describe(path, RawOptions{.offset = std::numeric_limits<std::int64_t>::max()}).ok());
 }
 
-TEST(RawVolume, ImpossibleDimensionsAndSpacings) {
+TEST(RawVolume, impossible_dimensions_and_spacings) {
   const std::string path = temporary_path("impossible.raw");
   write_file(path, "x");
   constexpr std::int64_t kLongest = 2147483647;
@@ -123,7 +123,7 @@ TEST(RawVolume, ImpossibleDimensionsAndSpacings) {
   }
 }
 
-TEST(RawVolume, MissingHintsFilesAndFolders) {
+TEST(RawVolume, missing_hints_files_and_folders) {
   const std::string path = temporary_path("nothing.raw");
   write_file(path, "x");
   EXPECT_NE(outcome(describe(path)).find("dimensions: expected"), std::string::npos);
@@ -134,7 +134,7 @@ TEST(RawVolume, MissingHintsFilesAndFolders) {
   EXPECT_NE(outcome(describe(temporary_path(""), one)).find("is a folder"), std::string::npos);
 }
 
-TEST(RawVolume, APipeIsReadOnceAndCannotRewind) {
+TEST(RawVolume, a_pipe_is_read_once_and_cannot_rewind) {
   const std::string path = temporary_path("pipe");
   std::filesystem::remove(path);
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
@@ -152,7 +152,7 @@ TEST(RawVolume, APipeIsReadOnceAndCannotRewind) {
   std::filesystem::remove(path);
 }
 
-TEST(RawVolume, StandardInput) {
+TEST(RawVolume, standard_input) {
   const std::string path = temporary_path("input");
   write_file(path, "skip" + small_samples(SampleType::u16, true));
   const int kept = dup(STDIN_FILENO);
@@ -173,7 +173,7 @@ TEST(RawVolume, StandardInput) {
   EXPECT_NE(outcome(without_type).find("type: expected"), std::string::npos);
 }
 
-TEST(SampleTypes, CommonSpellings) {
+TEST(SampleTypes, common_spellings) {
   EXPECT_EQ(parse_sample_type("Unsigned  Char"), SampleType::u8);
   EXPECT_EQ(parse_sample_type("uint8_t"), SampleType::u8);
   EXPECT_EQ(parse_sample_type("short"), SampleType::i16);

@@ -48,7 +48,7 @@ struct Expected {
   double least, greatest;
 };
 
-TEST(RealVolumes, ShapesSpacingsAndPhysicalRanges) {
+TEST(RealVolumes, shapes_spacings_and_physical_ranges) {
   GVX_NEED_TEST_DATA(data);
   const Expected all[] = {
       {"volumes/nifti/marc_avf_float32.nii.gz",
@@ -96,7 +96,7 @@ TEST(RealVolumes, ShapesSpacingsAndPhysicalRanges) {
   }
 }
 
-TEST(RealVolumes, NrrdAndMetaImageShapes) {
+TEST(RealVolumes, nrrd_and_meta_image_shapes) {
   GVX_NEED_TEST_DATA(data);
   const std::pair<const char*, Vec3i> all[] = {
       {"volumes/nrrd/itk_Input-RA-Short.nrrd", {64, 64, 64}},
@@ -119,7 +119,7 @@ TEST(RealVolumes, NrrdAndMetaImageShapes) {
   EXPECT_EQ(attached.value(), detached.value());
 }
 
-TEST(RealVolumes, SamePatientInNrrdAndNifti) {
+TEST(RealVolumes, same_patient_in_nrrd_and_nifti) {
   GVX_NEED_TEST_DATA(data);
   // Two scans of one grid: the one file says it in LPS, the other in RAS.
   const auto nrrd = describe(data + "volumes/niivue_formats/FLAIR.nrrd");
@@ -134,7 +134,7 @@ TEST(RealVolumes, SamePatientInNrrdAndNifti) {
   }
 }
 
-TEST(RealVolumes, ColoursAreReadAndComplexNumbersRefused) {
+TEST(RealVolumes, colours_are_read_and_complex_numbers_refused) {
   GVX_NEED_TEST_DATA(data);
   const auto colours = describe(data + "volumes/niivue_formats/ct_perfusion.nii.gz");
   ASSERT_TRUE(colours.ok()) << outcome(colours);
@@ -144,7 +144,7 @@ TEST(RealVolumes, ColoursAreReadAndComplexNumbersRefused) {
   EXPECT_NE(outcome(complex).find("(complex numbers)"), std::string::npos) << outcome(complex);
 }
 
-TEST(RealVolumes, EveryEncodingOfOneBallHoldsTheSameVoxels) {
+TEST(RealVolumes, every_encoding_of_one_ball_holds_the_same_voxels) {
   GVX_NEED_TEST_DATA(data);
   const std::string folder = data + "malformed/pynrrd_tests/BallBinary30x30x30";
   const auto ball = load(folder + ".nrrd");
@@ -161,7 +161,7 @@ TEST(RealVolumes, EveryEncodingOfOneBallHoldsTheSameVoxels) {
   EXPECT_FALSE(load(folder + "_byteskip_minus_five.nhdr").ok());
 }
 
-TEST(RealVolumes, FilesThatOnceCrashedReaders) {
+TEST(RealVolumes, files_that_once_crashed_readers) {
   GVX_NEED_TEST_DATA(data);
   int files = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(data + "malformed")) {

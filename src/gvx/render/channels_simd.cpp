@@ -23,7 +23,7 @@ namespace {
 
 /// A place of each channel.
 struct Places {
-  Place channel[kMaxChannels];
+  EntrySample channel[kMaxChannels];
 };
 
 /// The rays of a vector on their way through a brick.
@@ -87,7 +87,7 @@ class Channels {
   };
 
   /// Those lanes of `mask` in which both are data.
-  HWY_INLINE static Mask of_data(const Place& a, const Place& b, Mask mask) {
+  HWY_INLINE static Mask of_data(const EntrySample& a, const EntrySample& b, Mask mask) {
     return kLacks ? hn::AndNot(lack(a, b), mask) : mask;
   }
 
@@ -130,7 +130,7 @@ class Channels {
     span.end = end;
     span.extinction = span.longest = hn::Zero(kFloats);
     for (std::uint32_t c = 0; c < channels_; ++c) {
-      const Place &a = from.channel[c], &b = to.channel[c];
+      const EntrySample &a = from.channel[c], &b = to.channel[c];
       const Mask has = of_data(a, b, mask);
       span.variance3[c] = Means::variance3(a, b);
       span.matter[c] = Means(functions_[c]).mean(a.entry, b.entry, span.variance3[c], has);

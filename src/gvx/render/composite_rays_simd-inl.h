@@ -43,7 +43,7 @@ HWY_INLINE Mask no_lanes() {
 constexpr float kNoEntry = -1e18f;
 
 /// ScalarSample, in entries.
-struct Place {
+struct EntrySample {
   Float entry;
   Float deviation;
 };
@@ -54,7 +54,7 @@ HWY_INLINE Float entry_or_none(Float entry) {
   return hn::IfThenElse(is_no_data(entry), all(kNoEntry), entry);
 }
 /// Is either no data?
-HWY_INLINE Mask lack(const Place& a, const Place& b) {
+HWY_INLINE Mask lack(const EntrySample& a, const EntrySample& b) {
   return hn::Eq(hn::Min(a.entry, b.entry), all(kNoEntry));
 }
 
@@ -66,12 +66,12 @@ class Means {
  public:
   HWY_INLINE explicit Means(const Function& function) : function_(&function) {}
 
-  HWY_INLINE static Float variance3(const Place& a, const Place& b) {
+  HWY_INLINE static Float variance3(const EntrySample& a, const EntrySample& b) {
     if constexpr (kPlain) return hn::Zero(kFloats);
     const Float deviation = hn::Mul(all(0.5f), hn::Add(a.deviation, b.deviation));
     return hn::Mul(all(3), hn::Mul(deviation, deviation));
   }
-  HWY_INLINE Mask unseen(const Place& a, const Place& b) const {
+  HWY_INLINE Mask unseen(const EntrySample& a, const EntrySample& b) const {
     Float from = a.entry, to = b.entry;
     widen(variance3(a, b), from, to);
     const Mask invisible = function_->invisible(from, to);
@@ -291,14 +291,14 @@ class Rays {
   /// The places i of several vectors of rays.
   template <int kVectors>
   HWY_INLINE static void sample_all(const Rays (&rays)[kVectors], const Float (&i)[kVectors],
-                                    Place (&places)[kVectors]) {
+                                    EntrySample (&places)[kVectors]) {
     Vec3v texel[kVectors];
     for (int k = 0; k < kVectors; ++k) texel[k] = rays[k].texel_at(i[k]);
     CellSample samples[kVectors];
     rays[0].bricks_.fine.samples.find(texel, samples);
     for (int k = 0; k < kVectors; ++k) places[k] = rays[k].place_of(i[k], texel[k], samples[k].value);
   }
-  HWY_NOINLINE Place at(Float i) const {
+  HWY_NOINLINE EntrySample at(Float i) const {
     const Vec3v texel[1] = {texel_at(i)};
     CellSample samples[1];
     bricks_.fine.samples.find(texel, samples);
@@ -306,7 +306,7 @@ class Rays {
   }
 
   /// TransferView::length.
-  HWY_INLINE Float length(const Place& from, const Place& to) const {
+  HWY_INLINE Float length(const EntrySample& from, const EntrySample& to) const {
     return bricks_.function.length(from.entry, to.entry);
   }
   /// By a step's or a span's matter and how far it goes through the function.
@@ -401,7 +401,7 @@ class Rays {
     return bricks_.places.held(along(first_texel_, fine_.per_step, i));
   }
   /// Place i, which is at this texel of the fine brick and has this value there.
-  HWY_INLINE Place place_of(Float i, const Vec3v& texel, Float value) const {
+  HWY_INLINE EntrySample place_of(Float i, const Vec3v& texel, Float value) const {
     if constexpr (kPlain) return {bricks_.entry_of(value), hn::Zero(kFloats)};
     Float deviates = bricks_.fine.deviation_at(texel);
     if (batch_.blended) {

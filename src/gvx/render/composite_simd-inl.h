@@ -54,7 +54,7 @@ class Stepping {
         active_[k] = hn::And(hn::And(active_[k], hn::Lt(step_[k], rays_[k].end())), rays_[k].going());
       }
       if (none_of(active_)) break;
-      Place back[kVectors];
+      EntrySample back[kVectors];
       Mask visible[kVectors];
       look_ahead(means, back, visible);
       const bool some_visible = !none_of(visible);
@@ -93,7 +93,8 @@ class Stepping {
   }
 
   /// Finds the places where the steps end, and which of them have something to see.
-  HWY_INLINE void look_ahead(const Means (&means)[2], Place (&back)[kVectors], Mask (&visible)[kVectors]) {
+  HWY_INLINE void look_ahead(const Means (&means)[2], EntrySample (&back)[kVectors],
+                             Mask (&visible)[kVectors]) {
     Float end[kVectors];
     for (int k = 0; k < kVectors; ++k) end[k] = hn::Add(step_[k], all(0.5f));
     RaysOf::sample_all(rays_, end, back);
@@ -103,9 +104,9 @@ class Stepping {
     }
   }
 
-  HWY_INLINE void see_step(int k, Means& means, const Place& back, Mask visible) {
+  HWY_INLINE void see_step(int k, Means& means, const EntrySample& back, Mask visible) {
     RaysOf& rays = rays_[k];
-    const Place& front = front_[k];
+    const EntrySample& front = front_[k];
     const Float variance3 = Means::variance3(front, back);
     const Matter matter = means.mean(front.entry, back.entry, variance3, visible);
     const Float extinction = matter.part[3], units = all(batch_.units);
@@ -137,7 +138,7 @@ class Stepping {
   const Function& function_;
   RaysOf (&rays_)[kVectors];
   Float step_[kVectors];
-  Place front_[kVectors];
+  EntrySample front_[kVectors];
   Mask active_[kVectors];
   Mask waits_[kVectors];
   Float wait_[kVectors][5];  // StretchBatch::waiting
@@ -157,8 +158,8 @@ class Cutting {
     const PathRows waited = rays_.lanes().waiting(batch_);
     const Mask valid = rays_.lanes().valid();
     centre_ = waited.first.x;
-    Place from{waited.first.y, waited.first.z};
-    const Place back{waited.fourth, waited.per_step.x};
+    EntrySample from{waited.first.y, waited.first.z};
+    const EntrySample back{waited.fourth, waited.per_step.x};
     Means ahead = means_;
     const Matter whole = ahead.mean(from.entry, back.entry, Means::variance3(from, back), valid);
     const Pieces cuts = rays_.cuts(whole.part[3], rays_.length(from, back));
@@ -169,7 +170,7 @@ class Cutting {
       const Mask mask = hn::And(hn::And(valid, rays_.going()), cuts.has(cut));
       if (none(mask)) break;
       const Float end = hn::Add(front, cuts.end(cut));
-      const Place to = rays_.at(end);
+      const EntrySample to = rays_.at(end);
       // A step that is not cut ends where it was sampled already.
       rays_.count_samples(hn::And(mask, cuts.has(1)));
       see_span(from, to, begin, end, mask);
@@ -184,7 +185,8 @@ class Cutting {
   }
 
  private:
-  HWY_NOINLINE void see_span(const Place& from, const Place& to, Float begin, Float end, Mask mask) {
+  HWY_NOINLINE void see_span(const EntrySample& from, const EntrySample& to, Float begin, Float end,
+                             Mask mask) {
     const Float length = hn::Sub(end, begin);
     Float units = hn::Mul(all(batch_.units), length);
     const Float variance3 = Means::variance3(from, to);

@@ -13,7 +13,8 @@
 
 namespace gvx::render {
 
-/// Are there vectors for this way to look, and may they be used?
+/// Is a pass marched tile by tile on a CPU? Every way to look is, unless one ray at a time was asked for.
+/// Within a tile, rays are taken in vectors where vectors_for (vectors.h) knows any for the view.
 bool marches_tiles(const Pass& pass);
 
 /// As march_exact of march_pass.h, on a CPU, where marches_tiles(pass).

@@ -21,7 +21,8 @@
 
 namespace gvx::render {
 
-/// What a tile's march works in, for whichever tree; some megabytes, so each thread keeps its own.
+/// What a tile's march works in, for whichever tree. It takes 2 MB, which no stack should hold and no tile
+/// should wait for: each thread keeps one.
 struct Workspace {
   TileRays rays;
   StretchBatch batch;

@@ -130,7 +130,7 @@ struct TransferView {
 
   /// Matter at one entry, linear between two.
   GVX_HD Matter at(float entry) const {
-    const Place p = place(entry);
+    const EntryPosition p = place(entry);
     return mix(matter[p.low], matter[p.low + 1], p.weight);
   }
 
@@ -141,7 +141,7 @@ struct TransferView {
   };
 
   GVX_HD Reading read(float entry) const {
-    const Place p = place(entry);
+    const EntryPosition p = place(entry);
     const Integral& at = integral[p.low];
     const float units = p.weight * integrals_per_unit;
     Reading reading;
@@ -243,9 +243,9 @@ struct TransferView {
   /// Is every stored value of the range looked up as fully transparent? Conservative: true is certain.
   GVX_HD bool transparent(ValueRange stored) const {
     const float last_entry = static_cast<float>(entries - 1);
-    const Place a =
+    const EntryPosition a =
         place(clamped(entry_of(to_entry_scale >= 0 ? stored.minimum : stored.maximum), last_entry));
-    const Place b =
+    const EntryPosition b =
         place(clamped(entry_of(to_entry_scale >= 0 ? stored.maximum : stored.minimum), last_entry));
     // A value on an entry, as all beyond the table's ends are, takes nothing from the entry beside it.
     const int first = a.low + (a.weight >= 1.0f ? 1 : 0), last = b.low + (b.weight > 0.0f ? 1 : 0);
@@ -254,7 +254,7 @@ struct TransferView {
 
  private:
   /// Between two entries.
-  struct Place {
+  struct EntryPosition {
     int low;
     float weight;
   };
@@ -262,7 +262,7 @@ struct TransferView {
     entry = entry > 0.0f ? entry : 0.0f;
     return entry < last ? entry : last;
   }
-  GVX_HD Place place(float entry) const {
+  GVX_HD EntryPosition place(float entry) const {
     const float e = clamped(entry, static_cast<float>(entries - 1));
     int low = static_cast<int>(e);
     low = low < entries - 2 ? low : entries - 2;
