@@ -40,13 +40,13 @@ class LatticeOfBalls final : public gvx::produce::Producer {
   }
 
   gvx::Status produce(const gvx::NodeKey& key, std::span<std::byte> voxels) const override {
-    const int m = static_cast<int>(tree_.m);
+    const int m = static_cast<int>(tree_.m), border = gvx::kBrickBorder;
     const double voxel = 1 / (gvx::nodes_across(2, key.level) * m);
     const gvx::Vec3d first = double(m) * gvx::corner(key) + gvx::Vec3d(0.5);
     std::size_t i = 0;
-    for (int z = -1; z <= m; ++z) {
-      for (int y = -1; y <= m; ++y) {
-        for (int x = -1; x <= m; ++x) {
+    for (int z = -border; z < m + border; ++z) {
+      for (int y = -border; y < m + border; ++y) {
+        for (int x = -border; x < m + border; ++x) {
           const gvx::Vec3d p = voxel * (first + gvx::Vec3d(x, y, z));
           const double covered = std::clamp(0.5 - distance(p) / (2 * voxel), 0.0, 1.0);
           voxels[i++] = static_cast<std::byte>(std::lround(255 * covered));

@@ -36,14 +36,33 @@ double ReferenceVolume::value(std::size_t plane, Vec3d p) const {
 
 namespace {
 
-template <typename Function>
-Vec3d central_differences(Vec3d p, Function value) {
+/// The centred cubic B-spline, and its slope.
+double spline(double x) {
+  const double u = std::abs(x);
+  return u < 1 ? 2.0 / 3 - u * u + u * u * u / 2 : u < 2 ? (2 - u) * (2 - u) * (2 - u) / 6 : 0;
+}
+double spline_slope(double x) {
+  const double u = std::abs(x), slope = u < 1 ? 1.5 * u * u - 2 * u : u < 2 ? -(2 - u) * (2 - u) / 2 : 0;
+  return x < 0 ? -slope : slope;
+}
+
+/// The gradient of the sum of such splines around the voxels' centres, times what voxel(x, y, z) says.
+template <typename Voxel>
+Vec3d spline_gradient(Vec3d p, Vec3i dimensions, const Voxel& voxel) {
+  Vec3i first;
+  for (int axis = 0; axis < 3; ++axis) first[axis] = static_cast<std::int64_t>(std::floor(p[axis] - 0.5)) - 1;
   Vec3d g;
-  for (int axis = 0; axis < 3; ++axis) {
-    Vec3d before = p, after = p;
-    before[axis] -= 0.5;
-    after[axis] += 0.5;
-    g[axis] = value(after) - value(before);
+  for (int i = 0; i < 64; ++i) {
+    const Vec3i at = first + Vec3i(i % 4, i / 4 % 4, i / 16);
+    Vec3d value, slope;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double from_centre = p[axis] - (static_cast<double>(at[axis]) + 0.5);
+      value[axis] = spline(from_centre);
+      slope[axis] = spline_slope(from_centre);
+    }
+    const auto held = [&](int axis) { return std::clamp<std::int64_t>(at[axis], 0, dimensions[axis] - 1); };
+    const double v = voxel(held(0), held(1), held(2));
+    g = g + v * Vec3d(slope.x * value.y * value.z, value.x * slope.y * value.z, value.x * value.y * slope.z);
   }
   return g;
 }
@@ -193,13 +212,12 @@ struct Tracer {
 }  // namespace
 
 Vec3d ReferenceVolume::gradient(std::size_t plane, Vec3d p) const {
-  return central_differences(p, [&](Vec3d q) { return value(plane, q); });
+  return spline_gradient(p, dimensions, [&](auto x, auto y, auto z) { return voxel_of(plane, x, y, z); });
 }
 
 Vec3d ReferenceVolume::region_gradient(double label, Vec3d p) const {
-  return central_differences(p, [&](Vec3d q) {
-    return interpolate(q, [&](auto x, auto y, auto z) { return voxel(x, y, z) == label ? 1.0 : 0.0; });
-  });
+  return spline_gradient(p, dimensions,
+                         [&](auto x, auto y, auto z) { return voxel(x, y, z) == label ? 1.0 : 0.0; });
 }
 
 double ReferenceVolume::nearest(Vec3d p) const {

@@ -34,7 +34,7 @@ struct ReferenceVolume {
   double interpolate(Vec3d p,
                      const std::function<double(std::int64_t, std::int64_t, std::int64_t)>& read) const;
   double value(std::size_t plane, Vec3d p) const;
-  /// Per voxel, by central differences of half a voxel.
+  /// Per voxel, of the cubic B-spline whose coefficients are the voxels.
   Vec3d gradient(std::size_t plane, Vec3d p) const;
   /// The same of 1 in voxels of this label and 0 in others.
   Vec3d region_gradient(double label, Vec3d p) const;

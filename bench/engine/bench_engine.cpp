@@ -76,7 +76,7 @@ nlohmann::json bench_exact(const char* path, const render::View& view) {
 std::size_t necessary_bricks(const char* path, const render::View& view) {
   const auto reader = store::StoreReader::open(path).value();
   const store::VolumeInfo& info = reader->info();
-  const std::int64_t m = info.shape.m, edge = m + 2;
+  const std::int64_t m = info.shape.m, edge = m + 2 * kBrickBorder;
   const Vec3d size(info.shape.dimensions);
   using Key = std::tuple<std::int64_t, std::int64_t, std::int64_t>;
   std::map<Key, std::vector<float>> bricks;
@@ -131,7 +131,7 @@ std::size_t necessary_bricks(const char* path, const render::View& view) {
           for (int axis = 0; axis < 3; ++axis) {
             const bool high = (c >> axis & 1) != 0;
             const double f = q[axis] - static_cast<double>(low(axis));
-            at[axis] = low(axis) + (high ? 1 : 0);
+            at[axis] = low(axis) + (high ? 1 : 0) + kBrickBorder - 1;
             w *= high ? f : 1 - f;
           }
           value += w * voxels[static_cast<std::size_t>(at[0] + edge * (at[1] + edge * at[2]))];

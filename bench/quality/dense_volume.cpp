@@ -23,7 +23,7 @@ Result<DenseVolume> DenseVolume::load(const std::string& store_path) {
   volume.voxels_.resize(static_cast<std::size_t>(volume.stride_[2] * (size.z + 2 * kRim)));
 
   const std::uint32_t level = info.shape.levels - 1;
-  const std::int64_t m = info.shape.m, edge = m + 2;
+  const std::int64_t m = info.shape.m, edge = m + 2 * kBrickBorder;
   const Vec3i nodes = info.shape.level_nodes(level);
   std::vector<std::byte> bytes(info.brick_bytes());
   for (std::int64_t node = 0; node < nodes.x * nodes.y * nodes.z; ++node) {
@@ -36,7 +36,8 @@ Result<DenseVolume> DenseVolume::load(const std::string& store_path) {
       for (std::int64_t z = 0; z < std::min(m, size.z - n.z * m); ++z) {
         for (std::int64_t y = 0; y < std::min(m, size.y - n.y * m); ++y) {
           for (std::int64_t x = 0; x < std::min(m, size.x - n.x * m); ++x) {
-            const auto i = static_cast<std::size_t>(x + 1 + edge * (y + 1 + edge * (z + 1)));
+            const auto i = static_cast<std::size_t>(x + kBrickBorder +
+                                                    edge * (y + kBrickBorder + edge * (z + kBrickBorder)));
             std::memcpy(&v, &bytes[i * sizeof(v)], sizeof(v));
             volume.at(n.x * m + x, n.y * m + y, n.z * m + z) =
                 static_cast<float>(info.scale * static_cast<double>(v) + info.offset);

@@ -55,9 +55,20 @@ class DenseVolume {
     return mix(bilinear(p.low, 0, 1, p), bilinear(p.low + stride_[2], 0, 1, p), p.weight[2]);
   }
 
-  /// Per voxel, by central differences of half a voxel.
+  /// Per voxel, of the cubic B-spline whose coefficients are the voxels.
   Vec3f gradient(const Place& p) const {
-    return {difference(p, 0, 1, 2), difference(p, 1, 0, 2), difference(p, 2, 0, 1)};
+    const Spline x(p.weight[0]), y(p.weight[1]), z(p.weight[2]);
+    Vec3f sum;
+    for (int k = 0; k < 4; ++k) {
+      for (int j = 0; j < 4; ++j) {
+        const float* row = p.low - 1 + (j - 1) * stride_[1] + (k - 1) * stride_[2];
+        float value = 0, slope = 0;
+        for (int i = 0; i < 4; ++i) value += x.value[i] * row[i], slope += x.slope[i] * row[i];
+        sum = sum + Vec3f(z.value[k] * y.value[j] * slope, z.value[k] * y.slope[j] * value,
+                          z.slope[k] * y.value[j] * value);
+      }
+    }
+    return sum;
   }
 
   Vec3i blocks() const { return blocks_; }
@@ -72,21 +83,23 @@ class DenseVolume {
   float& at(std::int64_t x, std::int64_t y, std::int64_t z) {
     return voxels_[static_cast<std::size_t>(x + kRim + stride_[1] * (y + kRim) + stride_[2] * (z + kRim))];
   }
+  /// What four voxels along an axis weigh, at a place from 0 to 1 between the middle ones.
+  struct Spline {
+    float value[4], slope[4];
+
+    explicit Spline(float t) {
+      for (int i = 0; i < 4; ++i) {
+        const float x = t + 1 - static_cast<float>(i), u = std::fabs(x);
+        value[i] = u < 1 ? 2.0f / 3 - u * u + u * u * u / 2 : (2 - u) * (2 - u) * (2 - u) / 6;
+        slope[i] = std::copysign(u < 1 ? 2 * u - 1.5f * u * u : (2 - u) * (2 - u) / 2, -x);
+      }
+    }
+  };
   static float mix(float low, float high, float share) { return low + share * (high - low); }
   float bilinear(const float* low, int a, int b, const Place& p) const {
     const std::int64_t u = stride_[a], v = stride_[b];
     return mix(mix(low[0], low[u], p.weight[a]), mix(low[v], low[u + v], p.weight[a]), p.weight[b]);
   }
-  /// value() half a voxel further along the axis minus value() half a voxel before; a, b are the others.
-  float difference(const Place& p, int axis, int a, int b) const {
-    const bool upper = p.weight[axis] >= 0.5f;
-    const float* low = upper ? p.low : p.low - stride_[axis];
-    const float share = p.weight[axis] + (upper ? -0.5f : 0.5f);
-    const float first = bilinear(low, a, b, p), middle = bilinear(low + stride_[axis], a, b, p),
-                last = bilinear(low + 2 * stride_[axis], a, b, p);
-    return mix(middle - first, last - middle, share);
-  }
-
   Vec3i dimensions_;
   Affine3 voxel_to_world_;
   bool anatomical_ = false;

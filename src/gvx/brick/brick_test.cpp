@@ -20,9 +20,9 @@ float field(Vec3f p) {
 template <int M>
 std::vector<float> field_brick() {
   std::vector<float> texels(BrickLayout<M>::kTexels);
-  for (int z = 0; z < M + 2; ++z) {
-    for (int y = 0; y < M + 2; ++y) {
-      for (int x = 0; x < M + 2; ++x) {
+  for (int z = -1; z < M + 3; ++z) {
+    for (int y = -1; y < M + 3; ++y) {
+      for (int x = -1; x < M + 3; ++x) {
         texels[BrickLayout<M>::offset(x, y, z)] = field({float(x) - 0.5f, float(y) - 0.5f, float(z) - 0.5f});
       }
     }

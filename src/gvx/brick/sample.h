@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "gvx/brick/brick_layout.h"
 #include "gvx/core/vec.h"
@@ -48,24 +49,56 @@ GVX_HD inline float sample(const Voxel* voxels, Vec3f position) {
   return trilinear<M>(voxels, TexelAxis<M>(position.x), TexelAxis<M>(position.y), TexelAxis<M>(position.z));
 }
 
-/// The gradient per voxel by central differences of half a voxel, at a position from 0 to M: continuous, and
-/// the same on both sides of a face.
-template <int M, typename Voxel>
-GVX_HD inline Vec3f gradient(const Voxel* voxels, Vec3f position) {
-  const TexelAxis<M> at[3] = {TexelAxis<M>(position.x), TexelAxis<M>(position.y), TexelAxis<M>(position.z)};
+/// Where a coordinate falls in a uniform cubic B-spline of the texels: what four of them weigh in its value
+/// and in its slope.
+template <int M>
+struct SplineAxis {
+  int first;  ///< of the four texels
+  float of_value[4], of_slope[4];
+
+  /// `position` from -0.5 to M+0.5 in voxels.
+  GVX_HD explicit SplineAxis(float position) {
+    const TexelAxis<M> cell(position);
+    const float t = cell.weight, s = 1 - t;
+    first = cell.low - 1;
+    of_value[0] = s * s * s / 6;
+    of_value[1] = 2.0f / 3 - t * t * (1 - t / 2);
+    of_value[2] = 2.0f / 3 - s * s * (1 - s / 2);
+    of_value[3] = t * t * t / 6;
+    of_slope[0] = -s * s / 2;
+    of_slope[1] = t * (1.5f * t - 2);
+    of_slope[2] = s * (2 - 1.5f * s);
+    of_slope[3] = t * t / 2;
+  }
+};
+
+/// The gradient per voxel at a position from -0.5 to M+0.5 of the uniform cubic B-spline whose coefficients
+/// are the texels (Unser, "Splines: a perfect fit for signal and image processing", 1999): a smoothed
+/// gradient, whose slopes go on smoothly from voxel to voxel and from brick to brick. texel(offset) is the
+/// number there.
+template <int M, typename Of>
+GVX_HD inline Vec3f spline_gradient(Vec3f position, const Of& texel) {
+  const SplineAxis<M> x(position.x), y(position.y), z(position.z);
   Vec3f gradient;
-  for (int axis = 0; axis < 3; ++axis) {
-    TexelAxis<M> after[3] = {at[0], at[1], at[2]}, before[3] = {at[0], at[1], at[2]};
-    after[axis] = TexelAxis<M>(position[axis] + 0.5f);
-    before[axis] = TexelAxis<M>(position[axis] - 0.5f);
-    gradient[axis] = trilinear<M>(voxels, after[0], after[1], after[2]) -
-                     trilinear<M>(voxels, before[0], before[1], before[2]);
+  for (int k = 0; k < 4; ++k) {
+    Vec3f slice;
+    for (int j = 0; j < 4; ++j) {
+      const int row = BrickLayout<M>::offset(x.first, y.first + j, z.first + k);
+      float value = 0, slope = 0;
+      for (int i = 0; i < 4; ++i) {
+        const float t = texel(row + i);
+        value += x.of_value[i] * t;
+        slope += x.of_slope[i] * t;
+      }
+      slice = slice + Vec3f(y.of_value[j] * slope, y.of_slope[j] * value, y.of_value[j] * value);
+    }
+    gradient = gradient + Vec3f(z.of_value[k] * slice.x, z.of_value[k] * slice.y, z.of_slope[k] * slice.z);
   }
   return gradient;
 }
 
 /// A trilinear value and its gradient per voxel in the cell between its eight texels: for less than
-/// gradient(), but it jumps at texels.
+/// gradient(), but it jumps from cell to cell.
 struct CellSample {
   float value;
   Vec3f gradient;
@@ -95,15 +128,28 @@ GVX_HD inline CellSample cell_sample(const Voxel* voxels, Vec3f position) {
   return {c0 + z.weight * (c1 - c0), {r0 + z.weight * (r1 - r0), along_y, c1 - c0}};
 }
 
+/// The gradient per voxel of one plane: that of the spline; where it would take voxels that are no data, that
+/// of the cell.
+template <int M, typename Voxel>
+GVX_HD inline Vec3f gradient(const Voxel* voxels, Vec3f position) {
+  const Vec3f smooth =
+      spline_gradient<M>(position, [&](int offset) { return static_cast<float>(voxels[offset]); });
+  if constexpr (std::is_floating_point_v<Voxel>) {
+    const float sum = smooth.x + smooth.y + smooth.z;
+    if (sum != sum) return cell_sample<M>(voxels, position).gradient;
+  }
+  return smooth;
+}
+
 /// The standard deviation of the finest voxels that a position's value stands for, trilinear at half the
 /// resolution. `deviations` are those of the plane (core/voxel.h).
 template <int M>
 GVX_HD inline float deviation(const std::uint8_t* deviations, Vec3f position) {
-  constexpr int kHalf = M / 2, kRow = BrickLayout<kHalf>::kEdge, kSlice = kRow * kRow;
+  constexpr int kHalf = M / 2, kRow = BrickLayout<kHalf, 1>::kEdge, kSlice = kRow * kRow;
   const float unit = *reinterpret_cast<const float*>(deviations);
   if (!(unit > 0.0f)) return 0.0f;
   const TexelAxis<kHalf> x(0.5f * position.x), y(0.5f * position.y), z(0.5f * position.z);
-  const std::uint8_t* codes = deviations + sizeof(float) + BrickLayout<kHalf>::offset(x.low, y.low, z.low);
+  const std::uint8_t* codes = deviations + sizeof(float) + BrickLayout<kHalf, 1>::offset(x.low, y.low, z.low);
   const auto along_x = [&](int offset) {
     const float a = deviation_of_code(codes[offset]), b = deviation_of_code(codes[offset + 1]);
     return a + x.weight * (b - a);

@@ -5,7 +5,7 @@
 /// A voxel is one or more numbers of one type; each stands in a *plane* of its own. A brick in memory and,
 /// before it is compressed, in a store:
 ///
-///     plane 0: (m+2)^3 numbers, x fastest | plane 1 ... | deviations of plane 0 | deviations of plane 1 ...
+///     plane 0: (m+4)^3 numbers, x fastest | plane 1 ... | deviations of plane 0 | deviations of plane 1 ...
 ///
 /// *Deviations* (of scalars only) say how far the finest voxels below a coarse one are from their mean: the
 /// standard deviation, at half the resolution, with a border of one. They are 0 in the finest bricks.
@@ -103,9 +103,14 @@ inline const char* content_name(VoxelContent content) {
   return kNames[static_cast<std::uint32_t>(content)];
 }
 
-/// Numbers of one plane of a brick, with its border.
-GVX_HD constexpr std::size_t plane_texels(std::size_t m) {
-  return (m + 2) * (m + 2) * (m + 2);
+/// Voxels around a brick in memory, on each side: one for trilinear samples, two for the four texels along an
+/// axis that a cubic B-spline takes.
+inline constexpr int kBrickBorder = 2;
+
+/// Numbers of one plane of a brick with so wide a border.
+GVX_HD constexpr std::size_t plane_texels(std::size_t m, std::size_t border = kBrickBorder) {
+  const std::size_t edge = m + 2 * border;
+  return edge * edge * edge;
 }
 /// What a code means, in units: 0, or four bits of exponent and four of mantissa.
 GVX_HD constexpr float deviation_of_code(std::uint32_t code) {
@@ -114,12 +119,12 @@ GVX_HD constexpr float deviation_of_code(std::uint32_t code) {
 
 /// Bytes of the deviations of one plane.
 GVX_HD constexpr std::size_t deviation_bytes(std::size_t m) {
-  return sizeof(float) + (m / 2 + 2) * (m / 2 + 2) * (m / 2 + 2);
+  return sizeof(float) + plane_texels(m / 2, 1);
 }
 /// Bytes of a brick.
-inline std::size_t brick_bytes(VoxelFormat format, std::size_t m) {
-  return format.planes *
-         (plane_texels(m) * voxel_bytes(format.type) + (format.has_deviations() ? deviation_bytes(m) : 0));
+inline std::size_t brick_bytes(VoxelFormat format, std::size_t m, std::size_t border = kBrickBorder) {
+  return format.planes * (plane_texels(m, border) * voxel_bytes(format.type) +
+                          (format.has_deviations() ? deviation_bytes(m) : 0));
 }
 
 /// The ranges of a node's channels; those of channels that are not there are 0 to 0.

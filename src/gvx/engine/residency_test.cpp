@@ -178,7 +178,7 @@ TEST(PoolSizes, fit_the_memory_and_the_tree) {
   tree.format.type = VoxelType::u8;
   tree.bricks = 1000000;
   const PoolSizes sizes = PoolSizes::fitting(64ull << 20, tree).value();
-  EXPECT_EQ(sizes.bricks, (64u << 20) / (18 * 18 * 18 + 4 + 10 * 10 * 10));
+  EXPECT_EQ(sizes.bricks, (64u << 20) / (20 * 20 * 20 + 4 + 10 * 10 * 10));
   tree.bricks = 10;
   EXPECT_EQ(PoolSizes::fitting(64ull << 20, tree).value().bricks, 11u);
   EXPECT_FALSE(PoolSizes::fitting(10000, tree).ok());

@@ -49,7 +49,9 @@ double stored(const store::StoreReader& reader, int i) {
   const NodeKey key{info.shape.levels - 1, x / m, y / m, z / m};
   std::vector<std::byte> brick(info.brick_bytes());
   GVX_CHECK(reader.read_brick(key, reader.node(key).value(), brick).ok());
-  const std::size_t texel = (x % m + 1) + (m + 2) * ((y % m + 1) + (m + 2) * std::size_t(z % m + 1));
+  constexpr std::uint32_t kBorder = kBrickBorder;
+  const std::size_t edge = m + 2 * kBorder;
+  const std::size_t texel = (x % m + kBorder) + edge * ((y % m + kBorder) + edge * (z % m + kBorder));
   return with_voxel_type(info.format.type, [&](auto v) {
     std::memcpy(&v, &brick[texel * sizeof(v)], sizeof(v));
     return static_cast<double>(v);

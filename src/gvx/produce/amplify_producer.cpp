@@ -111,16 +111,17 @@ Status AmplifyProducer::produce(const NodeKey& key, std::span<std::byte> voxels)
   // Not the thread's: the volume may be amplified itself.
   std::vector<std::byte> coarse(description_.brick_bytes());
   GVX_TRY(volume_->produce(above, coarse));
-  const int m = static_cast<int>(description_.m), edge = m + 2;
+  const int m = static_cast<int>(description_.m), edge = m + 2 * kBrickBorder;
+  constexpr double kFirst = kBrickBorder - 0.5;  // how far its centre is before the brick's first voxel
   const double parts = nodes_across(static_cast<int>(description_.n), key.level - finest_);
   const auto whole_parts = static_cast<std::uint64_t>(parts);
   const double across = nodes_across(static_cast<int>(description_.n), key.level), voxel = 1 / (across * m);
   // Where this node's first voxel, of the border, is in its ancestor's brick, in texels.
   const auto first = [&](std::uint64_t place) {
-    return static_cast<double>(place % whole_parts) / parts * m + 0.5 - 0.5 / parts;
+    return static_cast<double>(place % whole_parts) / parts * m + kFirst - kFirst / parts;
   };
   const Vec3d start(first(key.x), first(key.y), first(key.z));
-  const Vec3d corner = gvx::corner(key) / across - Vec3d(0.5 * voxel);
+  const Vec3d corner = gvx::corner(key) / across - Vec3d(kFirst * voxel);
   std::vector<double> noise(static_cast<std::size_t>(edge));
   with_voxel_type(description_.format.type, [&](auto zero) {
     using Voxel = decltype(zero);
@@ -146,8 +147,8 @@ Status AmplifyProducer::produce(const NodeKey& key, std::span<std::byte> voxels)
       };
       for (int z = 0; z < edge; ++z) {
         for (int y = 0; y < edge; ++y) {
-          noise_.row(corner + voxel * Vec3d(0, y, z), voxel, description_.m + 2, voxel, noise.data(),
-                     [](const double*, double) { return false; });
+          noise_.row(corner + voxel * Vec3d(0, y, z), voxel, static_cast<std::uint32_t>(edge), voxel,
+                     noise.data(), [](const double*, double) { return false; });
           for (int x = 0; x < edge; ++x) {
             const double v = mixed(start + Vec3d(x, y, z) / parts);
             *to++ = as_voxel<Voxel>(amplified(v, description_.ranges.channel[plane],

@@ -64,7 +64,8 @@ class StoredMesh {
     voxels_.resize(static_cast<std::size_t>(d.x * d.y * d.z));
     const std::int64_t m = info.shape.m;
     std::vector<std::byte> brick(info.brick_bytes());
-    const std::size_t edge = static_cast<std::size_t>(m + 2), texels = edge * edge * edge;
+    const std::size_t border = kBrickBorder, edge = static_cast<std::size_t>(m) + 2 * border,
+                      texels = edge * edge * edge;
     const Vec3i nodes = info.shape.level_nodes(info.shape.levels - 1);
     for (std::int64_t n = 0; n < nodes.x * nodes.y * nodes.z; ++n) {
       const Vec3i node(n % nodes.x, n / nodes.x % nodes.y, n / nodes.x / nodes.y);
@@ -74,9 +75,9 @@ class StoredMesh {
       for (std::int64_t i = 0; i < m * m * m; ++i) {
         const Vec3i in(i % m, i / m % m, i / m / m), at = m * node + in;
         if (at.x >= d.x || at.y >= d.y || at.z >= d.z) continue;
-        const std::size_t texel =
-            static_cast<std::size_t>(in.x + 1) +
-            edge * (static_cast<std::size_t>(in.y + 1) + edge * static_cast<std::size_t>(in.z + 1));
+        const std::size_t texel = static_cast<std::size_t>(in.x) + border +
+                                  edge * (static_cast<std::size_t>(in.y) + border +
+                                          edge * (static_cast<std::size_t>(in.z) + border));
         for (std::size_t c = 0; c < 7; ++c) {
           voxels_[static_cast<std::size_t>((at.z * d.y + at.y) * d.x + at.x)][c] =
               static_cast<std::uint8_t>(brick[c * texels + texel]);

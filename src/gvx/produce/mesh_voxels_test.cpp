@@ -277,7 +277,7 @@ TEST(MeshVoxels, are_the_same_bytes_in_however_many_slabs) {
     std::string first;
     std::size_t most_slabs = 0;
     // In the last there are fewer triangles than in a block of slices.
-    for (const std::uint64_t memory : {1ull << 30, 14ull << 20, 12500ull << 10}) {
+    for (const std::uint64_t memory : {1ull << 30, 15ull << 20, 13800ull << 10}) {
       MeshStoreOptions options;
       options.resolution = 70;
       options.solid = solid;

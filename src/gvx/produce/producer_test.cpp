@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "gvx/brick/brick_layout.h"
 #include "gvx/produce/amplify_producer.h"
 #include "gvx/produce/field_producer.h"
 #include "gvx/produce/hypertexture.h"
@@ -18,12 +19,17 @@
 namespace gvx::produce {
 namespace {
 
+/// Of a brick of 8^3 bytes (brick/brick_layout.h).
+int texel(const std::vector<std::byte>& brick, int x, int y, int z) {
+  return static_cast<int>(brick[static_cast<std::size_t>(brick::BrickLayout<8>::offset(x, y, z))]);
+}
+
 std::shared_ptr<const Producer> make_store_producer() {
   const store::TestVolume<std::uint8_t> volume({50, 40, 30}, [](auto x, auto y, auto z) {
     return x > 30 ? 9 : 100 + 50 * std::sin(double(x) * 0.4) + double(y % 7) + double(z);
   });
   const std::string path = testing::TempDir() + "gvx_producer.gvx";
-  GVX_CHECK(store::write_store(volume, path, 2, 8).ok());
+  GVX_CHECK(store::write_store(volume, path, 2, 8, store::Codec::zstd, 2, 2).ok());
   return std::make_shared<StoreProducer>(store::StoreReader::open(path).value());
 }
 
@@ -201,13 +207,12 @@ TEST(AmplifyProducer, adds_detail_below_the_volumes_levels_and_nothing_at_them) 
   ASSERT_TRUE(rich->produce({finest + 2, 5, 5, 5}, left).ok());
   ASSERT_TRUE(rich->produce({finest + 2, 6, 5, 5}, right).ok());
   int differences = 0, changes = 0;
-  for (std::size_t row = 0; row < 100; ++row) {
-    for (const auto& [a, b] : {std::pair(8, 0), std::pair(9, 1)}) {
-      const int one = static_cast<int>(left[row * 10 + static_cast<std::size_t>(a)]),
-                other = static_cast<int>(right[row * 10 + static_cast<std::size_t>(b)]);
-      differences += std::abs(one - other) > 1 ? 1 : 0;
+  for (int row = 0; row < 144; ++row) {
+    const int y = row % 12 - 1, z = row / 12 - 1;
+    for (int border = -1; border <= 2; ++border) {
+      differences += std::abs(texel(left, 8 + border, y, z) - texel(right, border, y, z)) > 1 ? 1 : 0;
     }
-    changes += left[row * 10 + 3] != left[row * 10 + 4] ? 1 : 0;
+    changes += texel(left, 3, y, z) != texel(left, 4, y, z) ? 1 : 0;
   }
   EXPECT_EQ(differences, 0);
   EXPECT_GT(changes, 50);
@@ -224,9 +229,6 @@ TEST(AmplifyProducer, goes_on_from_what_is_amplified_already) {
   std::vector<std::byte> coarse(inner->description().brick_bytes()), fine(coarse.size());
   ASSERT_TRUE(inner->produce({finest, 10, 10, 10}, coarse).ok());
   ASSERT_TRUE(outer->produce({finest + 1, 20, 20, 20}, fine).ok());
-  const auto at = [](const std::vector<std::byte>& brick, int x, int y, int z) {
-    return static_cast<double>(brick[static_cast<std::size_t>((z * 10 + y) * 10 + x)]);
-  };
   for (int x = 1; x < 9; ++x) {
     double sum = 0;
     // A voxel of half the width is a quarter of one beside the middle of that which holds it.
@@ -234,9 +236,9 @@ TEST(AmplifyProducer, goes_on_from_what_is_amplified_already) {
       const auto place = [&](int v, bool other) { return (v + 1) / 2 + (other ? (v % 2 == 0 ? 1 : -1) : 0); };
       const auto weight = [](bool other) { return other ? 0.25 : 0.75; };
       const bool a = (i & 1) != 0, b = (i & 2) != 0, c = (i & 4) != 0;
-      sum += weight(a) * weight(b) * weight(c) * at(coarse, place(x, a), place(4, b), place(5, c));
+      sum += weight(a) * weight(b) * weight(c) * texel(coarse, place(x, a), place(4, b), place(5, c));
     }
-    EXPECT_NEAR(at(fine, x, 4, 5), sum, 0.51) << x;
+    EXPECT_NEAR(texel(fine, x, 4, 5), sum, 0.51) << x;
   }
 }
 
@@ -269,19 +271,16 @@ TEST(RepeatProducer, levels_above_the_copies_are_means_that_go_on_beyond_the_bor
   std::vector<std::byte> inner(many->description().brick_bytes()), outer(inner.size());
   ASSERT_TRUE(many->produce({2, 0, 0, 0}, inner).ok());
   ASSERT_TRUE(many->produce({1, 0, 0, 0}, outer).ok());
-  const auto at = [](const std::vector<std::byte>& brick, int x, int y, int z) {
-    return static_cast<int>(brick[static_cast<std::size_t>((z * 10 + y) * 10 + x)]);
-  };
   // Two copies along an axis, of four voxels each.
-  for (int z = 0; z < 10; ++z) {
-    for (int y = 0; y < 10; ++y) {
-      for (int x = 0; x < 10; ++x) {
+  for (int z = -1; z < 11; ++z) {
+    for (int y = -1; y < 11; ++y) {
+      for (int x = -1; x < 11; ++x) {
         int sum = 0;
         for (int i = 0; i < 8; ++i) {
-          const auto place = [](int voxel, int half) { return 1 + (voxel + 3) % 4 * 2 + half; };
-          sum += at(inner, place(x, i & 1), place(y, i >> 1 & 1), place(z, i >> 2));
+          const auto place = [](int voxel, int half) { return 1 + (voxel + 7) % 4 * 2 + half; };
+          sum += texel(inner, place(x, i & 1), place(y, i >> 1 & 1), place(z, i >> 2));
         }
-        ASSERT_EQ(at(outer, x, y, z), (sum + 4) / 8);
+        ASSERT_EQ(texel(outer, x, y, z), (sum + 4) / 8);
       }
     }
   }
@@ -297,7 +296,7 @@ TEST(FieldProducer, samples_at_voxel_centres) {
   std::vector<std::byte> bytes(producer->description().brick_bytes());
   ASSERT_TRUE(producer->produce(NodeKey{1, 2, 0, 1}, bytes).ok());
   float value;
-  const std::size_t texel = 10 * (10 * 3 + 2) + 5;  // voxel (4, 1, 2)
+  const auto texel = static_cast<std::size_t>(brick::BrickLayout<8>::offset(5, 2, 3));  // voxel (4, 1, 2)
   std::memcpy(&value, &bytes[texel * sizeof(float)], sizeof(float));
   const Vec3d p{(2 + 4.5 / 8) / 3, (0 + 1.5 / 8) / 3, (1 + 2.5 / 8) / 3};
   EXPECT_NEAR(value, p.x + 2 * p.y - p.z, 1e-6);

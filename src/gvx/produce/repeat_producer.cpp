@@ -68,7 +68,7 @@ Status RepeatProducer::produce(const NodeKey& key, std::span<std::byte> voxels) 
 /// A brick of copies, each of `across` voxels along an axis, or several of them in one voxel.
 void RepeatProducer::average(std::span<const std::byte> root, std::uint32_t level,
                              std::span<std::byte> voxels) const {
-  const auto m = static_cast<std::int64_t>(description_.m), edge = m + 2;
+  const auto m = static_cast<std::int64_t>(description_.m), edge = m + 2 * kBrickBorder;
   const std::int64_t copies = std::int64_t(1) << std::min(levels_ - level, 31u);
   const std::int64_t across = std::max<std::int64_t>(m / copies, 1), part = m / across;
   const bool labels = description_.format.content == VoxelContent::labels;
@@ -79,8 +79,8 @@ void RepeatProducer::average(std::span<const std::byte> root, std::uint32_t leve
     std::vector<Voxel> one(static_cast<std::size_t>(across * across * across));
     for (std::uint32_t plane = 0; plane < description_.format.planes; ++plane) {
       for (std::int64_t i = 0; i < static_cast<std::int64_t>(one.size()); ++i) {
-        const Vec3i first(1 + i % across * part, 1 + i / across % across * part,
-                          1 + i / across / across * part);
+        const Vec3i first(kBrickBorder + i % across * part, kBrickBorder + i / across % across * part,
+                          kBrickBorder + i / across / across * part);
         const auto at = [&](Vec3i p) { return from[(p.z * edge + p.y) * edge + p.x]; };
         double sum = 0, count = 0;  // of the voxels that have a value; of none the mean is NaN
         for (std::int64_t z = 0; z < part; ++z) {
@@ -99,7 +99,7 @@ void RepeatProducer::average(std::span<const std::byte> root, std::uint32_t leve
         one[static_cast<std::size_t>(i)] = value;
       }
       // The border goes on with the next copies.
-      const auto wrapped = [&](std::int64_t i) { return (i + m - 1) % across; };
+      const auto wrapped = [&](std::int64_t i) { return (i + m - kBrickBorder) % across; };
       for (std::int64_t z = 0; z < edge; ++z) {
         for (std::int64_t y = 0; y < edge; ++y) {
           for (std::int64_t x = 0; x < edge; ++x) {

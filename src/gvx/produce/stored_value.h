@@ -58,7 +58,7 @@ struct NodeBounds {
 /// The voxels of a node's brick, border and all.
 inline VoxelBlock block_of(const NodeKey& key, std::uint32_t n, std::uint32_t m) {
   const double edge = m, voxel = 1 / (nodes_across(static_cast<int>(n), key.level) * edge);
-  return {voxel * (edge * corner(key) - Vec3d(0.5)), voxel, m + 2};
+  return {voxel * (edge * corner(key) - Vec3d(kBrickBorder - 0.5)), voxel, m + 2 * kBrickBorder};
 }
 
 }  // namespace gvx::produce

@@ -95,7 +95,7 @@ class Channels {
   HWY_INLINE Float left() const { return hn::Sub(all(1), opacity_); }
 
   HWY_INLINE PlainTexels<Voxel> texels(const Path& path, std::uint32_t channel) const {
-    return PlainTexels<Voxel>(path.brick + channel * plane_texels(batch_.m) * sizeof(Voxel));
+    return PlainTexels<Voxel>(path.brick + channel * plane_texels(batch_.m) * sizeof(Voxel), edge_);
   }
   HWY_INLINE Float deviation_at(const Path& path, std::uint32_t channel, const Vec3v& p) const {
     const std::byte* first = path.brick + planes_ * plane_texels(batch_.m) * sizeof(Voxel);

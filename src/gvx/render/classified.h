@@ -16,26 +16,8 @@ inline constexpr float kRegionSharpness = 64;
 /// How much a label's own region changes along each axis around a position: minus the outward normal.
 template <int M, typename Voxel>
 GVX_HD inline Vec3f region_gradient(const Voxel* labels, Vec3f position, Voxel label) {
-  const auto inside = [&](Vec3f p) {
-    const brick::TexelAxis<M> x(p.x), y(p.y), z(p.z);
-    float sum = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-      const int dx = corner & 1, dy = corner >> 1 & 1, dz = corner >> 2;
-      const bool same = labels[brick::BrickLayout<M>::offset(x.low + dx, y.low + dy, z.low + dz)] == label;
-      const float weight = (dx != 0 ? x.weight : 1 - x.weight) * (dy != 0 ? y.weight : 1 - y.weight) *
-                           (dz != 0 ? z.weight : 1 - z.weight);
-      sum += same ? weight : 0.0f;
-    }
-    return sum;
-  };
-  Vec3f gradient;
-  for (int axis = 0; axis < 3; ++axis) {
-    Vec3f before = position, after = position;
-    before[axis] -= 0.5f;
-    after[axis] += 0.5f;
-    gradient[axis] = inside(after) - inside(before);
-  }
-  return gradient;
+  return brick::spline_gradient<M>(position,
+                                   [&](int offset) { return labels[offset] == label ? 1.0f : 0.0f; });
 }
 
 template <typename Voxel, int M>

@@ -34,7 +34,7 @@ class Labels {
 
   HWY_INLINE Labels(const FrameView& frame, const StretchBatch& batch)
       : function_(frame.visibility.functions[0]),
-        texels_(batch.fine.brick),
+        texels_(batch.fine.brick, static_cast<int>(batch.m)),
         edge_(static_cast<int>(batch.m)),
         units_(batch.units) {}
 
@@ -64,12 +64,9 @@ class Labels {
 
   /// How much each label's own region changes: the gradient of what is 1 in it and 0 elsewhere.
   GVX_PIECE Vec3v region_gradient(const Vec3v& p, Float label) const {
-    Around around;
-    around.read(texels_, edge_, p);
-    for (Triple& row : around.rows) {
-      for (Float& texel : row.texel) texel = hn::IfThenElseZero(hn::Eq(texel, label), all(1));
-    }
-    return around.gradient<false>(held(p, edge_));
+    return SplineWindow<PlainTexels<Voxel>>(texels_, edge_, p).gradient_of([&](Float texel) HWY_ATTR {
+      return hn::IfThenElseZero(hn::Eq(texel, label), all(1));
+    });
   }
 
   const Function function_;
@@ -85,8 +82,8 @@ class Colors {
   static constexpr bool kWhole = true;
 
   HWY_INLINE Colors(const FrameView& frame, const StretchBatch& batch)
-      : fine_(batch.fine.brick),
-        coarse_(batch.coarse.brick),
+      : fine_(batch.fine.brick, static_cast<int>(batch.m)),
+        coarse_(batch.blended ? batch.coarse.brick : nullptr, static_cast<int>(batch.m)),
         blended_(batch.blended),
         edge_(static_cast<int>(batch.m)),
         voxels_per_step_(frame.voxels_per_step),
@@ -135,7 +132,7 @@ class Colors {
 
   GVX_PIECE Sample sample(const Texels& brick, const Vec3v& p, Mask active) const {
     const TexelPlace place(p, edge_);
-    const int row = edge_ + 2;
+    const int row = row_of(edge_);
     const auto of_plane = [&](std::size_t index) HWY_ATTR {
       return trilinear(plane(brick, index).read(place.index, row, row * row), place.weight);
     };

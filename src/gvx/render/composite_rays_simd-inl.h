@@ -173,7 +173,9 @@ struct AsStored {
   using Texels = PlainTexels<Voxel>;
   using Deviations = PlainDeviations;
 
-  HWY_INLINE static Texels texels(const StretchBatch::Path& path) { return Texels(path.brick); }
+  HWY_INLINE static Texels texels(const StretchBatch& batch, const StretchBatch::Path& path) {
+    return {path.brick, static_cast<int>(batch.m)};
+  }
   HWY_INLINE static Deviations deviations(const StretchBatch& batch, const StretchBatch::Path& path) {
     return {stored(batch, path), static_cast<int>(batch.m)};
   }
@@ -191,16 +193,16 @@ struct LaidOut {
   using Texels = std::conditional_t<kQuads, QuadTexels, PlainTexels<Voxel>>;
   using Deviations = DeviationQuads;
 
-  static void make(const StretchBatch& batch, StretchBatch::Path& path) {
-    if constexpr (kQuads) make_quads(batch.m, path);
+  static void make(const StretchBatch& batch, bool gradients, StretchBatch::Path& path) {
+    if constexpr (kQuads) make_quads(batch.m, gradients, path);
     const Deviations deviates = deviations(batch, path);
     if (deviates.some()) deviates.make(path);
   }
-  HWY_INLINE static Texels texels(const StretchBatch::Path& path) {
+  HWY_INLINE static Texels texels(const StretchBatch& batch, const StretchBatch::Path& path) {
     if constexpr (kQuads) {
-      return {path.quads};
+      return quads_of(batch.m, path);
     } else {
-      return Texels(path.brick);
+      return {path.brick, static_cast<int>(batch.m)};
     }
   }
   HWY_INLINE static Deviations deviations(const StretchBatch& batch, const StretchBatch::Path& path) {
@@ -214,7 +216,7 @@ struct BrickOf {
   using Samples = SamplesInside<typename Layout::Texels, false>;
 
   HWY_INLINE BrickOf(const StretchBatch& batch, const StretchBatch::Path& path)
-      : texels(Layout::texels(path)),
+      : texels(Layout::texels(batch, path)),
         samples(texels, static_cast<int>(batch.m)),
         deviations(Layout::deviations(batch, path)) {}
 
@@ -368,24 +370,6 @@ class Rays {
     return slope;
   }
 
-  /// What the slopes of all places in the voxel of a step's centre come from.
-  struct Voxels {
-    Around fine, coarse;
-  };
-  HWY_NOINLINE void read_voxels(Float centre, Voxels& voxels) const {
-    voxels.fine.read(bricks_.fine.texels, bricks_.edge, fine_.at(centre));
-    if constexpr (!kPlain) {
-      if (batch_.blended) voxels.coarse.read(bricks_.coarse.texels, bricks_.edge, coarse_.at(centre));
-    }
-  }
-  HWY_NOINLINE Slope slope_at(Float i, const Voxels& voxels) const {
-    Slope slope{voxels.fine.template gradient<kLacks>(fine_.at(i)), hn::Zero(kFloats)};
-    if constexpr (!kPlain) {
-      if (batch_.blended) blend_in(voxels.coarse.template gradient<kLacks>(coarse_.at(i)), i, slope);
-    }
-    slope.gradient = or_none<kLacks>(slope.gradient);
-    return slope;
-  }
   HWY_NOINLINE Float factor_of(const Slope& slope) const {
     Float across = all(batch_.fine.voxels_across);
     if constexpr (!kPlain) {

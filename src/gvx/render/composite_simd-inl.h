@@ -205,7 +205,7 @@ class Cutting {
     Slope slope;
     if (rays_.by_gradient()) {
       lit_at = rays_.held(centre_, hn::MulAdd(all(0.5f), length, begin));
-      slope = slope_at(lit_at);
+      slope = rays_.slope_at(lit_at);
       units = hn::Mul(units, rays_.factor_of(slope));
     }
     if (none(hn::And(mask, parts.has(1)))) {
@@ -233,22 +233,15 @@ class Cutting {
       // Lit where it is seen: a surface may begin near the back end.
       const Float middle = hn::Div(seen.moment, hn::IfThenElse(some, seen.weight, all(1)));
       lit_at = rays_.held(centre_, hn::IfThenElse(some, middle, centre_));
-      slope = slope_at(lit_at);
+      slope = rays_.slope_at(lit_at);
     }
     rays_.add_lit(lit_at, slope, seen);
-  }
-  HWY_INLINE Slope slope_at(Float i) {
-    if (!has_voxels_) rays_.read_voxels(centre_, voxels_);
-    has_voxels_ = true;
-    return rays_.slope_at(i, voxels_);
   }
 
   StretchBatch& batch_;
   RaysOf& rays_;
   Means means_;
   Float centre_;
-  bool has_voxels_ = false;
-  typename RaysOf::Voxels voxels_;  // those of the centres
 };
 
 template <typename Layout, bool kPlain>
@@ -293,11 +286,13 @@ template <typename Voxel>
 void composite_all(const FrameView& frame, StretchBatch& batch) {
   batch.opaque_count = 0;
   const bool has_other_layout = LaidOut<Voxel>::kQuads || batch.blended || batch.fine.deviates;
+  const bool gradients =
+      frame.lighting.lighting.enabled || frame.visibility.functions[0].gradient_factor != nullptr;
   bool laid_out = false;
   in_runs<LooksAt::ends>(batch, [&](const StepRuns& runs) HWY_ATTR {
     if (!laid_out && has_other_layout && pays_to_lay_out(batch)) {
-      LaidOut<Voxel>::make(batch, batch.fine);
-      if (batch.blended) LaidOut<Voxel>::make(batch, batch.coarse);
+      LaidOut<Voxel>::make(batch, gradients, batch.fine);
+      if (batch.blended) LaidOut<Voxel>::make(batch, gradients, batch.coarse);
       laid_out = true;
     }
     if (laid_out) return composite_in<LaidOut<Voxel>>(frame, batch, runs);

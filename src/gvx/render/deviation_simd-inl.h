@@ -29,7 +29,7 @@ namespace {
 class Deviations {
  public:
   HWY_INLINE Deviations(const std::uint8_t* deviations, int brick_edge)
-      : places_(brick_edge / 2), row_(brick_edge / 2 + 2) {
+      : places_(brick_edge / 2, 1), row_(brick_edge / 2 + 2) {
     if (deviations == nullptr) return;
     std::memcpy(&unit_, deviations, sizeof(unit_));
     codes_ = deviations + sizeof(unit_);
@@ -114,7 +114,7 @@ class DeviationQuads : public Deviations {
     const auto last = [&](int axis) { return std::min((path.last_row[axis] + 1) / 2, edge); };
     const TexelRows rows{path.first_row[0] / 2, last(0), path.first_row[1] / 2, last(1)};
     constexpr std::size_t kMostEdge = 16;
-    std::uint16_t halves[plane_texels(kMostEdge)];
+    std::uint16_t halves[plane_texels(kMostEdge, 1)];
     for (std::size_t z = rows.first_z; z <= rows.last_z + 1; ++z) {
       const std::size_t first = z * slice + rows.first_y * row, end = z * slice + (rows.last_y + 2) * row;
       for (std::size_t i = first; i < end; ++i) {

@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include <hwy/highway.h>
 
@@ -22,139 +23,278 @@ HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
 namespace {
 
-/// Along one axis of a voxel, at a place from 0 to 1 in it: what its texel and its neighbours weigh in the
-/// value and in the difference of half a voxel to either side.
-struct ThreeTexels {
-  Float of_value[3], of_difference[3];
-  Float off_centre;
-  Mask behind;  // the centre
+/// brick::SplineAxis at a place from 0 to 1 in its cell.
+struct SplineWeights {
+  Float of_value[4], of_slope[4];
 
-  HWY_INLINE explicit ThreeTexels(Float in_voxel) {
-    const Float zero = hn::Zero(kFloats), one = all(1);
-    const Float from_centre = hn::Sub(in_voxel, all(0.5f));
-    of_value[0] = hn::Max(hn::Neg(from_centre), zero);
-    of_value[1] = hn::Sub(one, hn::Abs(from_centre));
-    of_value[2] = hn::Max(from_centre, zero);
-    off_centre = hn::Abs(from_centre);
-    behind = hn::Ge(from_centre, zero);
-    of_difference[0] = hn::Sub(in_voxel, one);
-    of_difference[1] = hn::Sub(one, hn::Add(in_voxel, in_voxel));
-    of_difference[2] = in_voxel;
+  HWY_INLINE explicit SplineWeights(Float t) {
+    const Float one = all(1), sixth = all(1.0f / 6), half = all(0.5f);
+    const Float s = hn::Sub(one, t), tt = hn::Mul(t, t), ss = hn::Mul(s, s);
+    const auto inner = [&](Float square, Float u) HWY_ATTR {
+      return hn::NegMulAdd(square, hn::NegMulAdd(half, u, one), all(2.0f / 3));
+    };
+    of_value[0] = hn::Mul(hn::Mul(ss, s), sixth);
+    of_value[1] = inner(tt, t);
+    of_value[2] = inner(ss, s);
+    of_value[3] = hn::Mul(hn::Mul(tt, t), sixth);
+    of_slope[0] = hn::Mul(ss, all(-0.5f));
+    of_slope[1] = hn::Mul(t, hn::MulSub(all(1.5f), t, all(2)));
+    of_slope[2] = hn::Mul(s, hn::NegMulAdd(all(1.5f), s, all(2)));
+    of_slope[3] = hn::Mul(tt, half);
   }
 };
 
-struct Triple {
-  Float texel[3];
+/// A row of four texels along x.
+struct Four {
+  Float texel[4];
 };
-HWY_INLINE Triple gather_triple(const std::uint8_t* texels, Int index) {
-  // The fourth byte may be the first behind the plane, even behind the brick (BrickPool leaves room there).
-  const Int four = hn::GatherOffset(kInts, reinterpret_cast<const std::int32_t*>(texels), index);
-  const Int byte = all_ints(0xff);
-  return {{hn::ConvertTo(kFloats, hn::And(four, byte)),
-           hn::ConvertTo(kFloats, hn::And(hn::ShiftRight<8>(four), byte)),
-           hn::ConvertTo(kFloats, hn::And(hn::ShiftRight<16>(four), byte))}};
-}
-template <typename Voxel>
-HWY_INLINE Triple gather_triple(const Voxel* texels, Int index) {
-  const Pair first = gather_pair(texels, index), last = gather_pair(texels + 1, index);
-  return {{first.low, first.high, last.high}};
-}
 
-HWY_INLINE Float weighted(const Float (&weight)[3], Float a, Float b, Float c) {
-  return hn::MulAdd(weight[0], a, hn::MulAdd(weight[1], b, hn::Mul(weight[2], c)));
-}
-/// The value between three texels. Where these may be no data, that which weighs nothing is not looked at.
-template <bool kLacks>
-HWY_INLINE Float value_of(const ThreeTexels& at, Float a, Float b, Float c) {
-  if constexpr (!kLacks) return weighted(at.of_value, a, b, c);
-  return hn::MulAdd(at.of_value[1], b, hn::Mul(at.off_centre, hn::IfThenElse(at.behind, c, a)));
-}
-
-/// The texels of Around::rows, from the first on.
-template <typename Voxel>
-HWY_INLINE void read_rows(const PlainTexels<Voxel>& texels, int edge, Int index, Triple (&rows)[9]) {
-  const int row = edge + 2, slice = row * row;
-  for (int i = 0; i < 9; ++i) {
-    rows[i] = gather_triple(texels.texels + i % 3 * row + i / 3 * slice, index);
+/// What a row of texels weighs, in its value and in its slope.
+struct RowSums {
+  Float value, slope;
+};
+HWY_INLINE RowSums sums_of(const Four& row, const SplineWeights& x) {
+  RowSums sums{hn::Mul(x.of_value[0], row.texel[0]), hn::Mul(x.of_slope[0], row.texel[0])};
+  for (int i = 1; i < 4; ++i) {
+    sums.value = hn::MulAdd(x.of_value[i], row.texel[i], sums.value);
+    sums.slope = hn::MulAdd(x.of_slope[i], row.texel[i], sums.slope);
   }
-}
-HWY_INLINE void read_rows(const QuadTexels& texels, int edge, Int index, Triple (&rows)[9]) {
-  const int row = edge + 2, slice = row * row;
-  alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
-  store_offsets(hn::ShiftLeft<2>(index), offsets);
-  const auto* quads = reinterpret_cast<const std::byte*>(texels.quads);
-  constexpr auto kQuad = static_cast<int>(sizeof(std::uint32_t));
-  Int low[4], next_y[4], next_z[4], next[4];
-  load_rows(quads, offsets, low);
-  load_rows(quads + kQuad * row, offsets, next_y);
-  load_rows(quads + kQuad * slice, offsets, next_z);
-  load_rows(quads + kQuad * (slice + row), offsets, next);
-  for (int x = 0; x < 3; ++x) {
-    rows[0].texel[x] = QuadTexels::byte<0>(low[x]);
-    rows[1].texel[x] = QuadTexels::byte<8>(low[x]);
-    rows[2].texel[x] = QuadTexels::byte<8>(next_y[x]);
-    rows[3].texel[x] = QuadTexels::byte<16>(low[x]);
-    rows[4].texel[x] = QuadTexels::byte<24>(low[x]);
-    rows[5].texel[x] = QuadTexels::byte<24>(next_y[x]);
-    rows[6].texel[x] = QuadTexels::byte<16>(next_z[x]);
-    rows[7].texel[x] = QuadTexels::byte<24>(next_z[x]);
-    rows[8].texel[x] = QuadTexels::byte<24>(next[x]);
-  }
+  return sums;
 }
 
-/// The 3 x 3 x 3 texels around a voxel, in rows along x: those of y j and z k at j + 3 k. All that the
-/// gradients of a voxel need.
-struct Around {
-  Vec3v first;  ///< the low corner of the voxel
-  Triple rows[9];
+/// The weights of rows of 16-bit numbers, two to a lane, in so many 2^14ths. Their sums are exactly those of
+/// the spline, 1 and 0: what all numbers have in common changes no gradient, and sums may leave out 2^15.
+struct PairWeights {
+  static constexpr std::int32_t kOne = 1 << 14;
+  Int of_value[2], of_slope[2];
 
-  template <typename Texels>
-  HWY_INLINE void read(const Texels& texels, int edge, const Vec3v& p) {
-    first = {first_of(p.x, edge), first_of(p.y, edge), first_of(p.z, edge)};
-    read_rows(texels, edge, TexelPlace::index_of(first.x, first.y, first.z, edge), rows);
-  }
+  HWY_INLINE explicit PairWeights(const SplineWeights& x)
+      : PairWeights(x, in_parts(x.of_value, kOne), in_parts(x.of_slope, 0)) {}
 
-  /// brick::gradient at a place in this voxel.
-  template <bool kLacks>
-  HWY_INLINE Vec3v gradient(const Vec3v& p) const {
-    const ThreeTexels x(hn::Sub(p.x, first.x)), y(hn::Sub(p.y, first.y)), z(hn::Sub(p.z, first.z));
-    Float along_x[3], along_y[3], value[3];
-    for (int k = 0; k < 3; ++k) {
-      Float row_value[3], row_difference[3];
-      for (int j = 0; j < 3; ++j) {
-        const auto& t = rows[j + 3 * k].texel;
-        row_value[j] = value_of<kLacks>(x, t[0], t[1], t[2]);
-        row_difference[j] = weighted(x.of_difference, t[0], t[1], t[2]);
-      }
-      value[k] = value_of<kLacks>(y, row_value[0], row_value[1], row_value[2]);
-      along_x[k] = value_of<kLacks>(y, row_difference[0], row_difference[1], row_difference[2]);
-      along_y[k] = weighted(y.of_difference, row_value[0], row_value[1], row_value[2]);
-    }
-    return {value_of<kLacks>(z, along_x[0], along_x[1], along_x[2]),
-            value_of<kLacks>(z, along_y[0], along_y[1], along_y[2]),
-            weighted(z.of_difference, value[0], value[1], value[2])};
+  /// Of a row's numbers, less 2^15 each; times kOne.
+  HWY_INLINE RowSums sums_of(const Int (&numbers)[2]) const {
+    const auto sum = [&](const Int(&weights)[2]) HWY_ATTR {
+      return hn::ConvertTo(
+          kFloats, hn::Add(sum_of_products(numbers[0], weights[0]), sum_of_products(numbers[1], weights[1])));
+    };
+    return {sum(of_value), sum(of_slope)};
   }
 
  private:
-  HWY_INLINE static Float first_of(Float position, int edge) {
-    const Float last = all(static_cast<float>(edge - 1));
-    return hn::Min(hn::Floor(hn::Max(position, hn::Zero(kFloats))), last);
+  struct Parts {
+    Int two[2];
+  };
+  HWY_INLINE PairWeights(const SplineWeights&, const Parts& value, const Parts& slope)
+      : of_value{value.two[0], value.two[1]}, of_slope{slope.two[0], slope.two[1]} {}
+  HWY_INLINE static Parts in_parts(const Float (&weights)[4], std::int32_t sum) {
+    const auto whole_part = [](Float weight) HWY_ATTR { return hn::NearestInt(hn::Mul(weight, all(kOne))); };
+    const Int first = whole_part(weights[0]), second = whole_part(weights[1]), last = whole_part(weights[3]);
+    const Int third = hn::Sub(all_ints(sum), hn::Add(hn::Add(first, second), last));
+    const auto pair = [](Int low, Int high) HWY_ATTR {
+      return hn::Or(hn::And(low, all_ints(0xffff)), hn::ShiftLeft<16>(high));
+    };
+    return {{pair(first, second), pair(third, last)}};
   }
 };
 
-/// A place in a brick, if it was outside of it by rounding.
-HWY_INLINE Vec3v held(const Vec3v& p, int edge) {
-  const Float zero = hn::Zero(kFloats), last = all(static_cast<float>(edge));
-  const auto on_axis = [&](Float x) HWY_ATTR { return hn::Min(hn::Max(x, zero), last); };
-  return {on_axis(p.x), on_axis(p.y), on_axis(p.z)};
+/// The 4 x 4 x 4 texels around a cell, in rows along x: row<j, k>() is the j-th along y and the k-th along z.
+/// `index` is that of the texel at the cell's low corner.
+template <typename Texels>
+class WindowRows;
+
+template <>
+class WindowRows<PlainTexels<std::uint8_t>> {
+ public:
+  static constexpr bool kPairs = false;
+
+  HWY_INLINE WindowRows(const PlainTexels<std::uint8_t>& texels, int edge, Int index)
+      : first_(texels.texels - 1 - row_of(edge) - row_of(edge) * row_of(edge)),
+        row_(row_of(edge)),
+        index_(index) {}
+
+  template <int j, int k>
+  HWY_INLINE Four row() const {
+    const std::uint8_t* row = first_ + (j + k * row_) * row_;
+    const Int four = hn::GatherOffset(kInts, reinterpret_cast<const std::int32_t*>(row), index_);
+    return {{QuadTexels::byte<0>(four), QuadTexels::byte<8>(four), QuadTexels::byte<16>(four),
+             QuadTexels::byte<24>(four)}};
+  }
+
+ private:
+  const std::uint8_t* first_;
+  const int row_;
+  const Int index_;
+};
+
+/// Of numbers of two or four bytes: rows are loaded whole. (Of two bytes twice as many are loaded; what lies
+/// behind a brick may be read: BrickPool leaves room there.)
+template <typename Voxel>
+class WindowRows<PlainTexels<Voxel>> {
+ public:
+  static constexpr bool kPairs = sizeof(Voxel) == 2;
+
+  HWY_INLINE WindowRows(const PlainTexels<Voxel>& texels, int edge, Int index)
+      : first_(texels.texels - 1 - row_of(edge) - row_of(edge) * row_of(edge)), row_(row_of(edge)) {
+    store_offsets(hn::ShiftLeft < sizeof(Voxel) == 2 ? 1 : 2 > (index), offsets_);
+  }
+
+  template <int j, int k>
+  HWY_INLINE RowSums sums(const PairWeights& x) const {
+    Int part[4];
+    load<j, k>(part);
+    const Int bias = all_ints(static_cast<std::int32_t>(0x80008000u));
+    return x.sums_of({hn::Xor(part[0], bias), hn::Xor(part[1], bias)});
+  }
+  template <int j, int k>
+  HWY_INLINE Four row() const {
+    Int part[4];
+    load<j, k>(part);
+    if constexpr (std::is_floating_point_v<Voxel>) {
+      const auto number = [&](int i) HWY_ATTR { return hn::BitCast(kFloats, part[i]); };
+      return {{number(0), number(1), number(2), number(3)}};
+    } else {
+      const hn::RebindToUnsigned<Ints> bits;
+      const auto low = [&](Int two)
+                           HWY_ATTR { return hn::ConvertTo(kFloats, hn::And(two, all_ints(0xffff))); };
+      const auto high = [&](Int two) HWY_ATTR {
+        return hn::ConvertTo(kFloats, hn::BitCast(kInts, hn::ShiftRight<16>(hn::BitCast(bits, two))));
+      };
+      return {{low(part[0]), high(part[0]), low(part[1]), high(part[1])}};
+    }
+  }
+
+ private:
+  template <int j, int k>
+  HWY_INLINE void load(Int (&part)[4]) const {
+    load_rows(reinterpret_cast<const std::byte*>(first_ + (j + k * row_) * row_), offsets_, part);
+  }
+
+  const Voxel* first_;
+  const int row_;
+  alignas(64) std::int32_t offsets_[hn::MaxLanes(kInts)];
+};
+
+template <>
+class WindowRows<QuadTexels> {
+ public:
+  static constexpr bool kPairs = false;
+
+  HWY_INLINE WindowRows(const QuadTexels& texels, int edge, Int index) {
+    const int row = row_of(edge), slice = row * row;
+    alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
+    store_offsets(hn::ShiftLeft<2>(index), offsets);
+    const std::uint32_t* first = texels.quads - 1 - row - slice;
+    for (int i = 0; i < 4; ++i) {
+      const std::uint32_t* quads = first + 2 * (i % 2) * row + 2 * (i / 2) * slice;
+      load_rows(reinterpret_cast<const std::byte*>(quads), offsets, quads_[i]);
+    }
+  }
+
+  template <int j, int k>
+  HWY_INLINE Four row() const {
+    constexpr int kShift = 8 * (j % 2 + 2 * (k % 2));
+    const auto& quads = quads_[j / 2 + 2 * (k / 2)];
+    return {{QuadTexels::byte<kShift>(quads[0]), QuadTexels::byte<kShift>(quads[1]),
+             QuadTexels::byte<kShift>(quads[2]), QuadTexels::byte<kShift>(quads[3])}};
+  }
+
+ private:
+  Int quads_[4][4];  // those of y 2j and z 2k at j + 2 k, along x
+};
+
+/// Calls function(std::integral_constant<int, i>) for i from 0 to 3.
+template <typename Function>
+HWY_INLINE void for_four(const Function& function) {
+  function(std::integral_constant<int, 0>());
+  function(std::integral_constant<int, 1>());
+  function(std::integral_constant<int, 2>());
+  function(std::integral_constant<int, 3>());
 }
+
+/// A place in a plane of a brick, and the texels that its gradient takes.
+template <typename Texels>
+class SplineWindow {
+ public:
+  HWY_INLINE SplineWindow(const Texels& texels, int edge, const Vec3v& p)
+      : SplineWindow(texels, edge, TexelPlace(p, edge)) {}
+
+  /// brick::spline_gradient; of() makes of a texel what is to be looked at.
+  template <typename Of>
+  HWY_INLINE Vec3v gradient_of(const Of& of) const {
+    const SplineWeights x(weight_.x);
+    return gradient_by([&](auto j, auto k) HWY_ATTR {
+      const Four row = rows_.template row<j.value, k.value>();
+      return sums_of({{of(row.texel[0]), of(row.texel[1]), of(row.texel[2]), of(row.texel[3])}}, x);
+    });
+  }
+  HWY_INLINE Vec3v gradient() const {
+    if constexpr (WindowRows<Texels>::kPairs) {
+      const PairWeights x{SplineWeights(weight_.x)};
+      const Vec3v sum =
+          gradient_by([&](auto j, auto k) HWY_ATTR { return rows_.template sums<j.value, k.value>(x); });
+      const Float unit = all(1.0f / PairWeights::kOne);
+      return {hn::Mul(sum.x, unit), hn::Mul(sum.y, unit), hn::Mul(sum.z, unit)};
+    } else {
+      return gradient_of([](Float texel) HWY_ATTR { return texel; });
+    }
+  }
+
+  /// The gradient of CellSample.
+  HWY_INLINE Vec3v cell_gradient() const {
+    const Four r00 = rows_.template row<1, 1>(), r10 = rows_.template row<2, 1>();
+    const Four r01 = rows_.template row<1, 2>(), r11 = rows_.template row<2, 2>();
+    const auto rise = [](const Four& row) HWY_ATTR { return hn::Sub(row.texel[2], row.texel[1]); };
+    const auto value = [&](const Four& row) HWY_ATTR { return mix(row.texel[1], row.texel[2], weight_.x); };
+    const Float c00 = value(r00), c10 = value(r10), c01 = value(r01), c11 = value(r11);
+    const Float along_x =
+        mix(mix(rise(r00), rise(r10), weight_.y), mix(rise(r01), rise(r11), weight_.y), weight_.z);
+    const Float along_y = mix(hn::Sub(c10, c00), hn::Sub(c11, c01), weight_.z);
+    return {along_x, along_y, hn::Sub(mix(c01, c11, weight_.y), mix(c00, c10, weight_.y))};
+  }
+
+ private:
+  HWY_INLINE SplineWindow(const Texels& texels, int edge, const TexelPlace& place)
+      : weight_(place.weight), rows_(texels, edge, place.index) {}
+
+  /// sums(j, k) are those of a row.
+  template <typename Sums>
+  HWY_INLINE Vec3v gradient_by(const Sums& sums) const {
+    const SplineWeights y(weight_.y), z(weight_.z);
+    const Float zero = hn::Zero(kFloats);
+    Vec3v sum{zero, zero, zero};
+    for_four([&](auto k) HWY_ATTR {
+      Float along_x = zero, along_y = zero, value = zero;
+      for_four([&](auto j) HWY_ATTR {
+        const RowSums row = sums(j, k);
+        along_x = hn::MulAdd(y.of_value[j.value], row.slope, along_x);
+        along_y = hn::MulAdd(y.of_slope[j.value], row.value, along_y);
+        value = hn::MulAdd(y.of_value[j.value], row.value, value);
+      });
+      sum.x = hn::MulAdd(z.of_value[k.value], along_x, sum.x);
+      sum.y = hn::MulAdd(z.of_value[k.value], along_y, sum.y);
+      sum.z = hn::MulAdd(z.of_slope[k.value], value, sum.z);
+    });
+    return sum;
+  }
+
+  const Vec3v weight_;
+  const WindowRows<Texels> rows_;
+};
 
 /// brick::gradient.
 template <typename Texels>
 HWY_INLINE Vec3v gradient(const Texels& texels, int edge, const Vec3v& p) {
-  Around around;
-  around.read(texels, edge, p);
-  return around.template gradient<!Texels::kWhole>(held(p, edge));
+  const SplineWindow<Texels> window(texels, edge, p);
+  Vec3v smooth = window.gradient();
+  if constexpr (!Texels::kWhole) {
+    const Mask lacks = is_no_data(hn::Add(hn::Add(smooth.x, smooth.y), smooth.z));
+    if (!none(lacks)) {
+      const Vec3v of_cell = window.cell_gradient();
+      smooth = {hn::IfThenElse(lacks, of_cell.x, smooth.x), hn::IfThenElse(lacks, of_cell.y, smooth.y),
+                hn::IfThenElse(lacks, of_cell.z, smooth.z)};
+    }
+  }
+  return smooth;
 }
 
 }  // namespace

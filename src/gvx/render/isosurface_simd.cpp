@@ -80,9 +80,9 @@ class SurfaceFinder {
   }
   /// Above the isovalue.
   GVX_PIECE Float value_at(Float i) const {
-    Float value = sample(PlainTexels<Voxel>(batch_.fine.brick), edge_, fine_.at(i));
+    Float value = sample(PlainTexels<Voxel>(batch_.fine.brick, edge_), edge_, fine_.at(i));
     if (batch_.blended) {
-      const Float coarse = sample(PlainTexels<Voxel>(batch_.coarse.brick), edge_, coarse_.at(i));
+      const Float coarse = sample(PlainTexels<Voxel>(batch_.coarse.brick, edge_), edge_, coarse_.at(i));
       value = blended<kLacks>(value, coarse, blend_at(i));
     }
     return hn::Sub(value, all(frame_.visibility.isovalue));
@@ -119,9 +119,9 @@ class SurfaceFinder {
     const Float zero = hn::Zero(kFloats), one = all(1);
     if (!lights_.lit()) return {{one, one, one}, {zero, zero, zero}};
     const Float lit = held_in_voxel<kLacks>(fine_, centre, hit);
-    Vec3v g = gradient(PlainTexels<Voxel>(batch_.fine.brick), edge_, fine_.at(lit));
+    Vec3v g = gradient(PlainTexels<Voxel>(batch_.fine.brick, edge_), edge_, fine_.at(lit));
     if (batch_.blended) {
-      const Vec3v coarse = gradient(PlainTexels<Voxel>(batch_.coarse.brick), edge_, coarse_.at(lit));
+      const Vec3v coarse = gradient(PlainTexels<Voxel>(batch_.coarse.brick, edge_), edge_, coarse_.at(lit));
       g = blended<kLacks>(g, coarse, blend_at(lit));
     }
     g = or_none<kLacks>(g);

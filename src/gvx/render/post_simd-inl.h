@@ -311,17 +311,18 @@ void post_all(const FrameView& frame, StretchBatch& batch, const StepRuns& runs,
 template <typename Voxel>
 void post_of(const FrameView& frame, StretchBatch& batch) {
   batch.opaque_count = 0;
-  const PlainTexels<Voxel> fine(batch.fine.brick), coarse(batch.coarse.brick);
+  const auto edge = static_cast<int>(batch.m);
+  const PlainTexels<Voxel> fine(batch.fine.brick, edge), coarse(batch.coarse.brick, edge);
   bool has_quads = false;
   in_runs<LooksAt::centres>(batch, [&](const StepRuns& runs) HWY_ATTR {
     if constexpr (std::is_same_v<Voxel, std::uint8_t>) {
       if (!has_quads && pays_to_lay_out(batch)) {
-        make_quads(batch.m, batch.fine);
-        if (batch.blended) make_quads(batch.m, batch.coarse);
+        make_quads(batch.m, false, batch.fine);
+        if (batch.blended) make_quads(batch.m, false, batch.coarse);
         has_quads = true;
       }
       if (has_quads) {
-        return post_all(frame, batch, runs, QuadTexels{batch.fine.quads}, QuadTexels{batch.coarse.quads});
+        return post_all(frame, batch, runs, quads_of(batch.m, batch.fine), quads_of(batch.m, batch.coarse));
       }
     }
     post_all(frame, batch, runs, fine, coarse);
@@ -386,11 +387,11 @@ class Classified {
     const Vec3v p[1] = {rays.fine.at(i)};
     const Float zero = hn::Zero(kFloats);
     CellSample fine[1] = {{zero, {zero, zero, zero}}};
-    cell_samples(PlainTexels<Voxel>(batch_.fine.brick + plane), edge_, p, with_gradient, fine);
+    cell_samples(PlainTexels<Voxel>(batch_.fine.brick + plane, edge_), edge_, p, with_gradient, fine);
     if (!batch_.blended) return fine[0];
     const Vec3v q[1] = {rays.coarse.at(i)};
     CellSample coarse[1] = {fine[0]};
-    cell_samples(PlainTexels<Voxel>(batch_.coarse.brick + plane), edge_, q, with_gradient, coarse);
+    cell_samples(PlainTexels<Voxel>(batch_.coarse.brick + plane, edge_), edge_, q, with_gradient, coarse);
     fine[0].value = blended<kLacks>(fine[0].value, coarse[0].value, blend);
     fine[0].gradient = blended<kLacks>(fine[0].gradient, coarse[0].gradient, blend);
     return fine[0];

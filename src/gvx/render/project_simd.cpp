@@ -165,8 +165,9 @@ void project_mode(const FrameView& frame, StretchBatch& batch) {
     Float nowhere[2] = {hn::Zero(kFloats), hn::Zero(kFloats)};
     for (std::uint32_t c = 0; c < channels; ++c) {
       Float(&without)[2] = channels <= 2 ? gathered[channels + c] : nowhere;
-      const PlainTexels<Voxel> fine(batch.fine.brick + c * plane_bytes);
-      const PlainTexels<Voxel> coarse(batch.blended ? batch.coarse.brick + c * plane_bytes : nullptr);
+      const PlainTexels<Voxel> fine(batch.fine.brick + c * plane_bytes, static_cast<int>(batch.m));
+      const PlainTexels<Voxel> coarse(batch.blended ? batch.coarse.brick + c * plane_bytes : nullptr,
+                                      static_cast<int>(batch.m));
       if (scene::seeks_extreme(kMode) && (batch.fine.deviates || batch.blended)) {
         project_channel<kMode, true>(frame, batch, c, lanes, fine, coarse, first, gathered[c], without);
       } else {

@@ -30,7 +30,7 @@ struct QuadTexels {
   struct Raw {
     Int low, high;  // along x; bytes y + 2 * z
   };
-  const std::uint32_t* quads;
+  const std::uint32_t* quads;  // of corner_texel and behind it
 
   HWY_INLINE Raw load(Int index, int, int) const {
 #if HWY_TARGET == HWY_AVX2
@@ -136,11 +136,19 @@ HWY_INLINE void make_quads(const Number* numbers, std::size_t row, const TexelRo
   }
 }
 
-/// Those of a path's brick of bytes, as far as its rays come.
-HWY_INLINE void make_quads(std::uint32_t m, StretchBatch::Path& path) {
-  const TexelRows rows{path.first_row[0], std::min(path.last_row[0], m), path.first_row[1],
-                       std::min(path.last_row[1], m)};
-  make_quads(reinterpret_cast<const std::uint8_t*>(path.brick), m + 2, rows, path.quads);
+/// Those of a path's brick of bytes, as far as its rays come; with those around them that gradients take.
+HWY_INLINE void make_quads(std::uint32_t m, bool gradients, StretchBatch::Path& path) {
+  const std::size_t border = kBrickBorder - 1, rim = gradients ? border : 0;
+  const auto first = [&](int axis) { return path.first_row[axis] + border - rim; };
+  const auto last = [&](int axis) { return std::min(path.last_row[axis], m) + border + rim; };
+  make_quads(reinterpret_cast<const std::uint8_t*>(path.brick),
+             static_cast<std::size_t>(row_of(static_cast<int>(m))), {first(0), last(0), first(1), last(1)},
+             path.quads);
+}
+
+/// What make_quads has made.
+HWY_INLINE QuadTexels quads_of(std::uint32_t m, const StretchBatch::Path& path) {
+  return {path.quads + corner_texel(static_cast<int>(m))};
 }
 
 /// Do the batch's rays take so many steps that it pays to lay bricks out anew? Sooner where a step takes more

@@ -17,6 +17,7 @@
 
 #include <hwy/highway.h>
 
+#include "gvx/core/voxel.h"
 #include "gvx/render/unroll.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -101,6 +102,17 @@ HWY_INLINE Int truncated(Float value) {
 #endif
 }
 
+/// Texels in a row of a brick's plane, border included.
+constexpr int row_of(int edge, int border = kBrickBorder) {
+  return edge + 2 * border;
+}
+/// The texel at the low corner of what trilinear samples take, from which texels are counted here: the plane
+/// begins with the rest of its border.
+constexpr std::size_t corner_texel(int edge) {
+  const auto row = static_cast<std::size_t>(row_of(edge));
+  return (kBrickBorder - 1) * (1 + row + row * row);
+}
+
 /// Stores whole numbers that are to be read one by one, from memory: to take a vector apart takes longer.
 HWY_INLINE void store_offsets(Int values, std::int32_t* offsets) {
   hn::Store(values, kInts, offsets);
@@ -122,12 +134,12 @@ struct TexelPlace {
   }
   HWY_INLINE TexelPlace(Int at, const Vec3v& weights) : index(at), weight(weights) {}
 
-  /// Floats hold it exactly: a brick of 32 has 39304 texels.
+  /// Floats hold it exactly: a brick of 32 has 46656 texels.
   HWY_INLINE static Int index_of(Float x, Float y, Float z, Float row, Float slice) {
     return whole(hn::MulAdd(z, slice, hn::MulAdd(y, row, x)));
   }
   HWY_INLINE static Int index_of(Float x, Float y, Float z, int edge) {
-    const auto row = static_cast<float>(edge + 2);
+    const auto row = static_cast<float>(row_of(edge));
     return index_of(x, y, z, all(row), all(row * row));
   }
 
@@ -145,8 +157,9 @@ struct TexelPlace {
 /// counted in texels from the centre of the first.
 class PlacesInside {
  public:
-  HWY_INLINE explicit PlacesInside(int edge) {
-    const int row = edge + 2;
+  /// Of the edge's voxels; deviations have a border of their own.
+  HWY_INLINE explicit PlacesInside(int edge, int border = kBrickBorder) {
+    const int row = row_of(edge, border);
     row_ = all(static_cast<float>(row));
     slice_ = all(static_cast<float>(row * row));
     last_ = hn::Set(kBits, static_cast<std::uint32_t>(edge * (row * row + row + 1)));
@@ -294,7 +307,9 @@ struct PlainTexels {
   using Raw = Corners;
   const Voxel* texels;
 
-  explicit PlainTexels(const std::byte* brick) : texels(reinterpret_cast<const Voxel*>(brick)) {}
+  /// Of a plane of a brick, or of none.
+  PlainTexels(const std::byte* plane, int edge)
+      : texels(plane == nullptr ? nullptr : reinterpret_cast<const Voxel*>(plane) + corner_texel(edge)) {}
 
   HWY_INLINE Raw load(Int index, int row, int slice) const {
     const Pair p00 = gather_pair(texels, index), p10 = gather_pair(texels + row, index);
@@ -342,7 +357,7 @@ HWY_INLINE Float trilinear(const Corners& at, const Vec3v& weight) {
 template <typename Texels>
 HWY_INLINE Float sample(const Texels& texels, int edge, const Vec3v& p) {
   const TexelPlace place(p, edge);
-  return trilinear(texels.read(place.index, edge + 2, (edge + 2) * (edge + 2)), place.weight);
+  return trilinear(texels.read(place.index, row_of(edge), row_of(edge) * row_of(edge)), place.weight);
 }
 
 /// brick::CellSample.
@@ -365,7 +380,7 @@ HWY_INLINE void cell_samples_at(const Texels& texels, int edge, const PlaceOf& p
   }
   typename Texels::Raw raw[kVectors];
   GVX_UNROLL for (int k = 0; k < kVectors; ++k) raw[k] =
-      texels.load(index[k], edge + 2, (edge + 2) * (edge + 2));
+      texels.load(index[k], row_of(edge), row_of(edge) * row_of(edge));
   GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
     const Corners at = Texels::corners(raw[k]);
     const auto& c = at.corner;
@@ -443,7 +458,7 @@ class SamplesInside {
       const Float bits_of_z = hn::Add(place.weight.z, all(kFirstOfWeights));
       const Int upper = hn::And(hn::BitCast(kInts, bits_of_z), all_ints(2 * kOne - 1));
       weights[k] = hn::Add(hn::ShiftLeft<16>(upper), hn::Sub(all_ints(kOne), upper));
-      bytes[k] = load_bytes(texels_, place.index, edge_ + 2, (edge_ + 2) * (edge_ + 2));
+      bytes[k] = load_bytes(texels_, place.index, row_of(edge_), row_of(edge_) * row_of(edge_));
     }
     GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
       const PairsAlongZ pairs = pairs_along_z(bytes[k]);

@@ -153,8 +153,8 @@ GVX_HD inline ScalarSample sample_at(const Stretch<Voxel, M>& s, std::uint32_t c
   return {value_at(s, channel, i, blend), deviation};
 }
 
-/// The gradient in stored values a voxel, fine and coarse blended. It is central differences of half a voxel,
-/// so `i` must lie in the node: see held_in_voxel.
+/// The gradient in stored values a voxel, fine and coarse blended. It takes all that the border holds, so `i`
+/// must lie in the node: see held_in_voxel.
 template <typename Voxel, int M>
 GVX_HD inline Vec3f gradient_at(const Stretch<Voxel, M>& s, std::uint32_t channel, float i, float blend) {
   const Vec3f gradient = blended(s, blend, [&](const BrickPath<Voxel, M>& path) {

@@ -38,7 +38,7 @@ struct StretchBatch {
     /// z, and the one that is next along both, from the lowest bits up.
     alignas(64) std::uint32_t quads[plane_texels(32)];
     /// And of deviations, at half the resolution: the same, each the upper half of a float.
-    alignas(64) std::uint64_t deviations[plane_texels(16)];
+    alignas(64) std::uint64_t deviations[plane_texels(16, 1)];
   };
 
   std::uint32_t m = 16;  ///< the bricks' edge, 8, 16 or 32

@@ -18,19 +18,19 @@ inline constexpr int kCells = kCellsAcross * kCellsAcross * kCellsAcross;
 
 /// Between which numbers the trilinear ones in each cell are, and those up to half a number beyond it. NaN is
 /// passed over; of a cell of nothing else the least is the greater one.
-template <int M, typename Number>
+template <int M, int kBorder, typename Number>
 struct CellRanges {
   Number least[kCells], most[kCells];
 
   explicit CellRanges(const Number* plane) {
-    using Layout = brick::BrickLayout<M>;
-    constexpr int kCell = M / kCellsAcross;
+    using Layout = brick::BrickLayout<M, kBorder>;
+    constexpr int kCell = M / kCellsAcross, kTexels = M + 2;
     for (int cz = 0; cz < kCellsAcross; ++cz) {
       for (int cy = 0; cy < kCellsAcross; ++cy) {
         // Of each column of texels along z and y, then of each cell along x: a cell's values come from its
         // own texels and one more on every side.
-        Number low[Layout::kEdge], high[Layout::kEdge];
-        for (int x = 0; x < Layout::kEdge; ++x) {
+        Number low[kTexels], high[kTexels];
+        for (int x = 0; x < kTexels; ++x) {
           if constexpr (std::is_floating_point_v<Number>) {
             low[x] = std::numeric_limits<Number>::max();
             high[x] = std::numeric_limits<Number>::lowest();
@@ -41,7 +41,7 @@ struct CellRanges {
         for (int z = cz * kCell; z < (cz + 1) * kCell + 2; ++z) {
           for (int y = cy * kCell; y < (cy + 1) * kCell + 2; ++y) {
             const Number* row = plane + Layout::offset(0, y, z);
-            for (int x = 0; x < Layout::kEdge; ++x) {
+            for (int x = 0; x < kTexels; ++x) {
               low[x] = row[x] < low[x] ? row[x] : low[x];
               high[x] = row[x] > high[x] ? row[x] : high[x];
             }
@@ -65,11 +65,11 @@ struct CellRanges {
 /// and the most that they deviate. `deviations` are those of the plane (core/voxel.h), or null for none.
 template <int M, typename Voxel, typename Hidden>
 std::uint64_t visible_cells(const Voxel* plane, const std::uint8_t* deviations, const Hidden& hidden) {
-  const CellRanges<M, Voxel> values(plane);
+  const CellRanges<M, kBrickBorder, Voxel> values(plane);
   float unit = 0, deviation[kCells] = {};
   if (deviations != nullptr) std::memcpy(&unit, deviations, sizeof(unit));
   if (unit > 0) {
-    const CellRanges<M / 2, std::uint8_t> codes(deviations + sizeof(unit));
+    const CellRanges<M / 2, 1, std::uint8_t> codes(deviations + sizeof(unit));
     for (int cell = 0; cell < kCells; ++cell) deviation[cell] = unit * deviation_of_code(codes.most[cell]);
   }
   std::uint64_t visible = 0;

@@ -66,9 +66,9 @@ TEST(VisibleCells, pass_over_what_is_no_data) {
   // A single value, beside which there is no data: of the cell that it is in the middle of.
   plane[static_cast<std::size_t>(brick::BrickLayout<kM>::offset(7, 11, 3))] = 1;
   EXPECT_EQ(cells_of(plane), std::uint64_t(1) << (1 + 4 * (2 + 4 * 0)));
-  for (std::size_t i = 1; i < plane.size(); i += 2) plane[i] = 0.25f;
+  for (std::size_t i = 0; i < plane.size(); i += 2) plane[i] = 0.25f;
   EXPECT_EQ(cells_of(plane), 0u);
-  for (std::size_t i = 1; i < plane.size(); i += 2) plane[i] = 1;
+  for (std::size_t i = 0; i < plane.size(); i += 2) plane[i] = 1;
   EXPECT_EQ(cells_of(plane), ~std::uint64_t(0));
 }
 

@@ -241,7 +241,7 @@ TEST(Planes, of_labels_and_colours_are_kept_apart_at_every_level) {
       std::vector<std::byte> brick(reader->info().brick_bytes());
       ASSERT_TRUE(reader->read_brick(key, reader->node(key).value(), brick).ok());
       const std::size_t width = voxel_bytes(info.format.type), texels = plane_texels(8);
-      const std::size_t last_full = texels / 2 + 1 * 10 * 10;  // well inside, away from the empty corner
+      const std::size_t last_full = (12 * 7 + 1) * 12 + 1;  // well inside, away from the empty corner
       const auto stored = [&](std::uint32_t c) {
         std::uint16_t value = 0;
         std::memcpy(&value, &brick[(c * texels + last_full) * width], width);
@@ -284,7 +284,7 @@ TEST(Planes, normals_of_a_surface_are_not_shortened_by_what_is_inside) {
   ASSERT_TRUE(reader->read_brick(NodeKey{}, reader->node(NodeKey{}).value(), brick).ok());
   const auto stored = [&](int x, std::size_t plane) {
     return static_cast<int>(
-        brick[plane * plane_texels(8) + static_cast<std::size_t>((5 * 10 + 5) * 10 + x + 1)]);
+        brick[plane * plane_texels(8) + static_cast<std::size_t>((6 * 12 + 6) * 12 + x + 2)]);
   };
   EXPECT_EQ(stored(3, 3), 255);
   EXPECT_EQ(stored(3, 4), 254);

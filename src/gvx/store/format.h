@@ -190,8 +190,8 @@ struct VolumeInfo {
   TreeShape shape;
   VoxelFormat format;
   Codec codec = Codec::zstd;
-  std::uint32_t border = 1;  ///< voxels around a stored brick, on each side: 1 or 2
-  bool no_data = false;      ///< f32 voxels may be NaN: no data, which is in no range or histogram
+  std::uint32_t border = kBrickBorder;  ///< voxels around a stored brick, on each side: 1 or 2
+  bool no_data = false;                 ///< f32 voxels may be NaN: no data, which is in no range or histogram
   /// Voxel space (voxel i covers [i, i+1]) to world space; millimetres, x right, y anterior, z superior if
   /// anatomical.
   Affine3 voxel_to_world;
@@ -203,15 +203,10 @@ struct VolumeInfo {
   std::vector<std::vector<std::uint64_t>> histograms;
 
   /// Numbers of one plane of a brick with such a border.
-  std::size_t texels(std::uint32_t border_voxels) const {
-    const std::size_t edge = shape.m + std::size_t{2} * border_voxels;
-    return edge * edge * edge;
-  }
-  /// Of a brick as core/voxel.h lays it out, with a border of one; one of two takes more for its voxels, and
-  /// as much for deviations.
-  std::size_t brick_bytes(std::uint32_t border_voxels = 1) const {
-    return gvx::brick_bytes(format, shape.m) +
-           format.planes * (texels(border_voxels) - texels(1)) * voxel_bytes(format.type);
+  std::size_t texels(std::uint32_t border_voxels) const { return plane_texels(shape.m, border_voxels); }
+  /// Of a brick with such a border as core/voxel.h lays it out.
+  std::size_t brick_bytes(std::uint32_t border_voxels = kBrickBorder) const {
+    return gvx::brick_bytes(format, shape.m, border_voxels);
   }
 };
 

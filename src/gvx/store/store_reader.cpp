@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "gvx/store/brick_border.h"
 #include "gvx/store/codec.h"
 #include "gvx/store/header.h"
 
@@ -25,17 +26,6 @@ bool is_possible(ValueRange range, VoxelType type) {
                                                   : std::numeric_limits<float>::max();
   const float least = type == VoxelType::f32 ? -greatest : 0.0f;
   return least <= range.minimum && range.minimum <= range.maximum && range.maximum <= greatest;
-}
-
-/// Takes a border of `narrow` out of a plane with one of `border` voxels.
-template <typename Voxel>
-void crop(const Voxel* from, std::size_t m, std::size_t border, std::size_t narrow, Voxel* to) {
-  const std::size_t edge = m + 2 * border, kept = m + 2 * narrow, cut = border - narrow;
-  for (std::size_t z = 0; z < kept; ++z) {
-    for (std::size_t y = 0; y < kept; ++y, to += kept) {
-      std::memcpy(to, from + ((z + cut) * edge + y + cut) * edge + cut, kept * sizeof(Voxel));
-    }
-  }
 }
 
 }  // namespace
@@ -109,10 +99,6 @@ Status StoreReader::read_brick(const NodeKey& key, const NodeRecord& record, std
                                std::uint32_t border) const {
   const VoxelFormat format = info_.format;
   GVX_CHECK(voxels.size() == info_.brick_bytes(border));
-  if (border > info_.border) {
-    return Error{path() + ": its bricks have a border of " + std::to_string(info_.border) + ", but one of " +
-                 std::to_string(border) + " is needed: build the store again"};
-  }
   const std::size_t texels = info_.texels(border), stored_texels = info_.texels(info_.border);
   if (record.constant()) {
     std::fill(voxels.begin(), voxels.end(), std::byte{0});
@@ -137,7 +123,7 @@ Status StoreReader::read_brick(const NodeKey& key, const NodeRecord& record, std
     const auto* from = reinterpret_cast<const Voxel*>(stored.data());
     auto* to = reinterpret_cast<Voxel*>(voxels.data());
     for (std::uint32_t plane = 0; plane < format.planes; ++plane, from += stored_texels, to += texels) {
-      crop(from, info_.shape.m, info_.border, border, to);
+      change_border(from, info_.shape.m, info_.border, border, format.content == VoxelContent::scalar, to);
     }
     // Deviations have a border of their own, the same in both.
     const auto* rest = reinterpret_cast<const std::byte*>(from);

@@ -33,10 +33,10 @@ class StoreReader {
   /// The record of a node that the shape contains. Reads its pages where they are not at hand. Thread-safe.
   Result<NodeRecord> node(const NodeKey& key) const;
 
-  /// Fills `voxels`, info().brick_bytes(border) of them, with a brick; record.constant() needs no file. An
-  /// error where the store's border is less than what is asked for. Thread-safe.
+  /// Fills `voxels`, info().brick_bytes(border) of them, with a brick; record.constant() needs no file. Where
+  /// the store's border is less than what is asked for, it is extrapolated. Thread-safe.
   Status read_brick(const NodeKey& key, const NodeRecord& record, std::span<std::byte> voxels,
-                    std::uint32_t border = 1) const;
+                    std::uint32_t border = kBrickBorder) const;
 
   const PageIndex& index() const { return *index_; }
   const StoreFile& file() const { return file_; }

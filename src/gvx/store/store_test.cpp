@@ -55,14 +55,14 @@ void expect_every_brick_right(const TestVolume<Voxel>& finest, const std::string
   for (std::uint32_t l = shape.levels; l-- > 0; level = average(level, n)) {
     ASSERT_EQ(shape.level_dimensions(l), level.dimensions);
     const Vec3i nodes = shape.level_nodes(l);
-    std::vector<Voxel> brick(reader->info().brick_bytes() / sizeof(Voxel));
+    std::vector<Voxel> brick(reader->info().brick_bytes(1) / sizeof(Voxel));
     for (std::uint32_t z = 0; z < nodes.z; ++z) {
       for (std::uint32_t y = 0; y < nodes.y; ++y) {
         for (std::uint32_t x = 0; x < nodes.x; ++x) {
           const NodeKey key{l, x, y, z};
           const NodeRecord record = reader->node(key).value();
           constants += record.constant() ? 1 : 0;
-          ASSERT_TRUE(reader->read_brick(key, record, std::as_writable_bytes(std::span(brick))).ok());
+          ASSERT_TRUE(reader->read_brick(key, record, std::as_writable_bytes(std::span(brick)), 1).ok());
           std::size_t i = 0;
           const std::int64_t edge = m;
           for (std::int64_t k = -1; k <= edge; ++k) {

@@ -42,10 +42,12 @@ constexpr VoxelType voxel_type_of() {
 
 template <typename Voxel>
 Status write_store(const TestVolume<Voxel>& volume, const std::string& path, std::uint32_t n, std::uint32_t m,
-                   Codec codec = Codec::zstd, int threads = 2, std::uint32_t border = 1) {
+                   Codec codec = Codec::zstd, int threads = 2, std::uint32_t border = 1,
+                   VoxelContent content = VoxelContent::scalar) {
   VolumeInfo info;
   info.shape = TreeShape::covering(volume.dimensions, n, m);
   info.format.type = voxel_type_of<Voxel>();
+  info.format.content = content;
   info.codec = codec;
   info.border = border;
   info.source = "test";

@@ -61,6 +61,7 @@ VolumeInfo info_of(const Stored& stored) {
   info.scale = 0.125;
   info.offset = -7;
   info.source = stored.name;
+  info.border = 1;
   return info;
 }
 
