@@ -21,6 +21,7 @@
 #include "gvx/produce/store_producer.h"
 #include "gvx/store/store_reader.h"
 #include "mesh_build.h"
+#include "messages.h"
 #include "progress.h"
 #include "units.h"
 
@@ -203,6 +204,13 @@ Result<Scene> open_part(const Devices& devices, const std::string& name,
   std::unique_ptr<store::StoreReader> reader;
   if (store) {
     GVX_ASSIGN(reader, store::StoreReader::open(name));
+    if (reader->info().border < std::uint32_t{kBrickBorder} &&
+        reader->info().format.content == VoxelContent::scalar) {
+      warn(name +
+           ": was built by an older gvx: surfaces are a little less smooth at the faces of bricks than those "
+           "of a "
+           "store that is built anew");
+    }
   } else {
     GVX_ASSIGN(reader, build_nameless_store(devices, name, volume_options, parts, before_build));
   }
