@@ -11,8 +11,8 @@ constexpr std::size_t kRoomBehind = 16;
 
 BrickPool::BrickPool(const exec::Device& device, std::size_t brick_bytes, std::uint32_t slots)
     : brick_bytes_(brick_bytes),
+      slots_(slots),
       bytes_(device, brick_bytes * slots + kRoomBehind),
-      usage_(device, slots),
       cell_masks_(device, slots) {}
 
 void BrickPool::write(BrickIndex index, std::span<const std::byte> voxels) {

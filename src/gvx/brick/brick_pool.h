@@ -9,7 +9,6 @@
 
 #include "gvx/brick/brick_layout.h"
 #include "gvx/brick/cell_masks.h"
-#include "gvx/cache/usage_list.h"
 #include "gvx/core/index.h"
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
@@ -47,11 +46,9 @@ class BrickPool {
   BrickPool(const exec::Device& device, std::size_t brick_bytes, std::uint32_t slots);
 
   CellMasks& cell_masks() { return cell_masks_; }
-  cache::UsageList& usage() { return usage_; }
-  const cache::UsageList& usage() const { return usage_; }
   /// All slots, as bytes.
   const std::byte* bytes() const { return bytes_.view().data; }
-  std::uint32_t slots() const { return usage_.slots(); }
+  std::uint32_t slots() const { return slots_; }
   std::size_t brick_bytes() const { return brick_bytes_; }
 
   /// Overwrites a slot with `brick_bytes()` bytes, out of the host's memory or the device's.
@@ -59,8 +56,8 @@ class BrickPool {
 
  private:
   std::size_t brick_bytes_;
+  std::uint32_t slots_;
   exec::Buffer<std::byte> bytes_;
-  cache::UsageList usage_;
   CellMasks cell_masks_;
 };
 

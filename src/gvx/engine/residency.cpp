@@ -31,16 +31,14 @@ Residency::Residency(const exec::Device& device, const produce::Producer& produc
       nodes_(device, producer.description().n, sizes.tiles, producer.description().format.channels()),
       bricks_(device, producer.description().brick_bytes(), sizes.bricks),
       marks_(device, nodes_.nodes()),
-      tile_occupied_(sizes.tiles),
-      brick_owner_(sizes.bricks) {}
+      tiles_(device, sizes.tiles, 1),
+      slots_(device, sizes.bricks) {}
 
 Status Residency::plant_root() {
   const NodeKey root;
   tree::NodeInfo info;
   GVX_TRY(producer_.describe(std::span(&root, 1), std::span(&info, 1)));
   nodes_.reset_node(tree::NodePool::root(), info, is_transparent(info.ranges));
-  unused_tiles_ = nodes_.usage().givable();
-  unused_bricks_ = bricks_.usage().givable();
   return {};
 }
 
@@ -77,22 +75,27 @@ NodeKey Residency::key_of(NodeIndex node) const {
   if (tile.value == 0) return NodeKey{};
   const int index = static_cast<int>(node.value - nodes_.node_of(tile, 0).value);
   return producer_.canonical(
-      child(nodes_.tile_parent(tile), static_cast<int>(producer_.description().n), index));
+      child(tiles_.key(tile.value), static_cast<int>(producer_.description().n), index));
 }
 
 void Residency::link(NodeIndex node, const Job& job) {
   if (job.kind == JobKind::brick) {
-    if (const auto found = brick_of_.find(job.key); found != brick_of_.end()) {
-      nodes_.set_content(node, tree::ContentWord::of_brick(found->second));
+    if (const auto slot = slots_.find(job.key)) {
+      nodes_.set_content(node, tree::ContentWord::of_brick(BrickIndex(*slot)));
     }
-  } else if (const auto found = tile_of_.find(job.key); found != tile_of_.end()) {
-    nodes_.set_children(node, found->second);
+  } else if (const auto tile = tiles_.find(job.key)) {
+    nodes_.set_children(node, TileIndex(*tile));
   }
 }
 
+bool Residency::is_gone(NodeIndex node) const {
+  const TileIndex tile = nodes_.tile_of(node);
+  return tile.value != 0 && !tiles_.occupied(tile.value);
+}
+
 std::vector<Job> Residency::collect(std::uint32_t pass) {
-  unused_tiles_ = nodes_.usage().order_by_use(pass);
-  unused_bricks_ = bricks_.usage().order_by_use(pass);
+  tiles_.order_by_use(pass);
+  slots_.order_by_use(pass);
   askers_.clear();
   struct Urgent {
     Job job;
@@ -107,7 +110,7 @@ std::vector<Job> Residency::collect(std::uint32_t pass) {
                                     std::pair(cache::kNeedsChildren, JobKind::children)}) {
       if ((request.kinds & bit) == 0) continue;
       const Job job{key, kind};
-      const bool resident = kind == JobKind::brick ? brick_of_.contains(key) : tile_of_.contains(key);
+      const bool resident = kind == JobKind::brick ? slots_.contains(key) : tiles_.contains(key);
       if (resident) {
         link(request.node, job);
         continue;
@@ -127,16 +130,8 @@ std::vector<Job> Residency::collect(std::uint32_t pass) {
   return jobs;
 }
 
-std::size_t Residency::room_for_tiles(Eviction eviction) const {
-  return eviction == Eviction::any ? nodes_.usage().givable() : unused_tiles_;
-}
-
-std::size_t Residency::room_for_bricks(Eviction eviction) const {
-  return eviction == Eviction::any ? bricks_.usage().givable() : unused_bricks_;
-}
-
 bool Residency::limit_to_room(std::vector<Job>& jobs, Eviction eviction) const {
-  std::size_t tiles = room_for_tiles(eviction), bricks = room_for_bricks(eviction);
+  std::size_t tiles = tiles_.room(eviction), bricks = slots_.room(eviction);
   const auto kept = std::remove_if(jobs.begin(), jobs.end(), [&](const Job& job) {
     std::size_t& room = job.kind == JobKind::brick ? bricks : tiles;
     if (room == 0) return true;
@@ -148,37 +143,8 @@ bool Residency::limit_to_room(std::vector<Job>& jobs, Eviction eviction) const {
   return dropped;
 }
 
-std::vector<std::uint32_t> Residency::make_room_for_tiles(std::size_t wanted, Eviction eviction) {
-  const auto count = static_cast<std::uint32_t>(std::min(wanted, room_for_tiles(eviction)));
-  auto taken = nodes_.usage().take_oldest(count);
-  unused_tiles_ -= std::min(unused_tiles_, count);
-  for (const std::uint32_t tile : taken) {
-    if (!tile_occupied_[tile]) continue;
-    tile_of_.erase(nodes_.tile_parent(TileIndex(tile)));
-    tile_occupied_[tile] = false;
-    recycled_tiles_.push_back(tile);
-  }
-  return taken;
-}
-
-std::vector<std::uint32_t> Residency::make_room_for_bricks(std::size_t wanted, Eviction eviction) {
-  const auto count = static_cast<std::uint32_t>(std::min(wanted, room_for_bricks(eviction)));
-  auto taken = bricks_.usage().take_oldest(count);
-  unused_bricks_ -= std::min(unused_bricks_, count);
-  for (const std::uint32_t slot : taken) {
-    BrickOwner& owner = brick_owner_[slot];
-    if (!owner.occupied) continue;
-    brick_of_.erase(owner.key);
-    owner.occupied = false;
-    recycled_bricks_.push_back(slot);
-  }
-  return taken;
-}
-
 void Residency::fill_tile(TileIndex tile, const Produced& made) {
-  nodes_.set_tile_parent(tile, made.job.key);
-  tile_occupied_[tile.value] = true;
-  tile_of_[made.job.key] = tile;
+  tiles_.put(tile.value, made.job.key);
   for (std::uint32_t i = 0; i < nodes_.nodes_per_tile(); ++i) {
     const NodeIndex node = nodes_.node_of(tile, i);
     const tree::NodeInfo& info = made.children[i];
@@ -201,34 +167,32 @@ Result<CommitCounts> Residency::commit(std::vector<Produced> made, Eviction evic
       continue;
     }
     if (p.job.kind == JobKind::children) {
-      if (!tile_of_.contains(p.job.key)) tiles.push_back(&p);
-    } else if (!p.constant && !brick_of_.contains(p.job.key)) {
+      if (!tiles_.contains(p.job.key)) tiles.push_back(&p);
+    } else if (!p.constant && !slots_.contains(p.job.key)) {
       bricks.push_back(&p);
     }
   }
-  const auto tile_slots = make_room_for_tiles(tiles.size(), eviction);
-  const auto brick_slots = make_room_for_bricks(bricks.size(), eviction);
-  counts.bricks_evicted = recycled_bricks_.size();
-  nodes_.clear_pointers(std::exchange(recycled_tiles_, {}), std::exchange(recycled_bricks_, {}),
-                        bricks_.slots());
-  counts.turned_away = tiles.size() - tile_slots.size() + bricks.size() - brick_slots.size();
+  const cache::TakenSlots for_tiles = tiles_.take(tiles.size(), eviction);
+  const cache::TakenSlots for_bricks = slots_.take(bricks.size(), eviction);
+  counts.bricks_evicted = for_bricks.recycled.size();
+  nodes_.clear_pointers(for_tiles.recycled, for_bricks.recycled, bricks_.slots());
+  counts.turned_away = tiles.size() - for_tiles.slots.size() + bricks.size() - for_bricks.slots.size();
   counts.committed = made.size() - counts.turned_away;
 
-  for (std::size_t i = 0; i < brick_slots.size(); ++i) {
-    const BrickIndex slot(brick_slots[i]);
-    bricks_.write(slot, bricks[i]->voxels);
-    brick_owner_[slot.value] = {bricks[i]->job.key, true};
-    brick_of_[bricks[i]->job.key] = slot;
+  for (std::size_t i = 0; i < for_bricks.slots.size(); ++i) {
+    const std::uint32_t slot = for_bricks.slots[i];
+    bricks_.write(BrickIndex(slot), bricks[i]->voxels);
+    slots_.put(slot, bricks[i]->job.key);
   }
-  for (std::size_t i = 0; i < tile_slots.size(); ++i) fill_tile(TileIndex(tile_slots[i]), *tiles[i]);
+  for (std::size_t i = 0; i < for_tiles.slots.size(); ++i)
+    fill_tile(TileIndex(for_tiles.slots[i]), *tiles[i]);
 
   for (const Produced& p : made) {
     const auto askers = askers_.find(p.job);
     if (!p.status.ok() || askers == askers_.end()) continue;
     for (const NodeIndex node : askers->second) {
       // The tile that the asker stood in may have been given away since.
-      const TileIndex tile = nodes_.tile_of(node);
-      if ((tile.value != 0 && !tile_occupied_[tile.value]) || key_of(node) != p.job.key) continue;
+      if (is_gone(node) || key_of(node) != p.job.key) continue;
       if (p.constant) {
         nodes_.set_constant(node, *p.constant, is_transparent(*p.constant));
       } else {
@@ -241,42 +205,20 @@ Result<CommitCounts> Residency::commit(std::vector<Produced> made, Eviction evic
 }
 
 void Residency::check_invariants() const {
-  const auto is_permutation = [](std::span<const std::uint32_t> order, std::uint32_t first) {
-    std::vector<std::uint32_t> sorted(order.begin(), order.end());
-    std::sort(sorted.begin(), sorted.end());
-    for (std::size_t i = 0; i < sorted.size(); ++i) {
-      if (sorted[i] != first + i) return false;
-    }
-    return true;
-  };
-  GVX_CHECK(is_permutation(nodes_.usage().order(), 1));
-  GVX_CHECK(is_permutation(bricks_.usage().order(), 0));
-  for (const auto& [key, tile] : tile_of_) {
-    GVX_CHECK(tile.value != 0 && tile_occupied_[tile.value] && nodes_.tile_parent(tile) == key);
-  }
-  for (const auto& [key, slot] : brick_of_) {
-    GVX_CHECK(brick_owner_[slot.value].occupied && brick_owner_[slot.value].key == key);
-  }
-  GVX_CHECK(static_cast<std::size_t>(std::count(tile_occupied_.begin(), tile_occupied_.end(), true)) ==
-            tile_of_.size());
-  GVX_CHECK(static_cast<std::size_t>(std::count_if(brick_owner_.begin(), brick_owner_.end(),
-                                                   [](const BrickOwner& o) { return o.occupied; })) ==
-            brick_of_.size());
+  tiles_.check_invariants();
+  slots_.check_invariants();
   for (std::uint32_t i = 0; i < nodes_.nodes(); ++i) {
     const NodeIndex node(i);
-    const TileIndex tile = nodes_.tile_of(node);
-    if (tile.value == 0 ? i != 0 : !tile_occupied_[tile.value]) continue;
+    if (nodes_.tile_of(node).value == 0 ? i != 0 : is_gone(node)) continue;
     const tree::ChildWord child_word = nodes_.child(node);
     const tree::ContentWord content = nodes_.content(node);
     const NodeKey key = key_of(node);
     if (child_word.has_children()) {
       GVX_CHECK(!child_word.terminal());
-      const auto found = tile_of_.find(key);
-      GVX_CHECK(found != tile_of_.end() && found->second == child_word.children());
+      GVX_CHECK(tiles_.find(key) == child_word.children().value);
     }
     if (content.kind() == tree::ContentKind::brick) {
-      const auto found = brick_of_.find(key);
-      GVX_CHECK(found != brick_of_.end() && found->second == content.brick());
+      GVX_CHECK(slots_.find(key) == content.brick().value);
     }
     if (content.kind() == tree::ContentKind::constant) GVX_CHECK(nodes_.ranges(node).constant());
     GVX_CHECK(child_word.transparent() == is_transparent(nodes_.ranges(node)));

@@ -10,6 +10,7 @@
 
 #include "gvx/brick/brick_pool.h"
 #include "gvx/cache/request_marks.h"
+#include "gvx/cache/slot_table.h"
 #include "gvx/core/result.h"
 #include "gvx/exec/device.h"
 #include "gvx/produce/producer.h"
@@ -29,11 +30,7 @@ struct PoolSizes {
   static Result<PoolSizes> fitting(std::uint64_t memory_bytes, const produce::TreeDescription& tree);
 };
 
-/// Whom a commit may push out.
-enum class Eviction {
-  unused,  ///< only what the last pass did not touch: a preview's rays come back to what they used
-  any      ///< the oldest, used or not: exact rays have passed the bricks that they used
-};
+using cache::Eviction;
 
 /// What a commit did with what it was given.
 struct CommitCounts {
@@ -58,9 +55,9 @@ class Residency {
 
   const tree::NodePool& nodes() const { return nodes_; }
   const brick::BrickPool& bricks() const { return bricks_; }
-  cache::UsageView tile_usage() { return nodes_.usage().view(); }
+  cache::UsageView tile_usage() { return tiles_.usage(); }
   brick::CellMaskView cell_masks() { return bricks_.cell_masks().view(); }
-  cache::UsageView brick_usage() { return bricks_.usage().view(); }
+  cache::UsageView brick_usage() { return slots_.usage(); }
   cache::RequestView requests() { return marks_.view(); }
 
   /// After a pass: orders both caches by use, and returns what its rays lack, the most urgent first, each
@@ -75,25 +72,18 @@ class Residency {
 
   /// Requested nodes in the last collect().
   std::uint64_t requested() const { return requested_; }
-  std::uint64_t resident_bricks() const { return brick_of_.size(); }
-  std::uint64_t resident_nodes() const { return tile_of_.size() * nodes_.nodes_per_tile() + 1; }
+  std::uint64_t resident_bricks() const { return slots_.size(); }
+  std::uint64_t resident_nodes() const { return tiles_.size() * nodes_.nodes_per_tile() + 1; }
 
   /// Checks every pointer, map and list against each other; aborts where they disagree. For tests.
   void check_invariants() const;
 
  private:
-  struct BrickOwner {
-    NodeKey key;
-    bool occupied = false;
-  };
-
   NodeKey key_of(NodeIndex node) const;
   bool is_transparent(const ChannelRanges& ranges) const;
   void link(NodeIndex node, const produce::Job& job);
-  std::size_t room_for_tiles(Eviction eviction) const;
-  std::size_t room_for_bricks(Eviction eviction) const;
-  std::vector<std::uint32_t> make_room_for_tiles(std::size_t wanted, Eviction eviction);
-  std::vector<std::uint32_t> make_room_for_bricks(std::size_t wanted, Eviction eviction);
+  /// Has the node's tile been given away?
+  bool is_gone(NodeIndex node) const;
   void fill_tile(TileIndex tile, const produce::Produced& made);
 
   const produce::Producer& producer_;
@@ -101,16 +91,11 @@ class Residency {
   brick::BrickPool bricks_;
   cache::RequestMarks marks_;
   std::optional<scene::Visibility> visibility_;
-  std::unordered_map<NodeKey, TileIndex, NodeKeyHash> tile_of_;    // canonical parent -> its children's tile
-  std::unordered_map<NodeKey, BrickIndex, NodeKeyHash> brick_of_;  // canonical node -> its brick
-  std::vector<bool> tile_occupied_;
-  std::vector<BrickOwner> brick_owner_;
+  cache::SlotTable<NodeKey, NodeKeyHash> tiles_;  // of nodes_, by the canonical parent
+  cache::SlotTable<NodeKey, NodeKeyHash> slots_;  // of bricks_, by the canonical node
   // Who asked for a job in the last collect; with shared sub-trees there may be many.
   std::unordered_map<produce::Job, std::vector<NodeIndex>, produce::JobHash> askers_;
-  std::uint32_t unused_tiles_ = 0, unused_bricks_ = 0;  // at the front of the usage lists
   std::uint64_t requested_ = 0;
-  std::vector<std::uint32_t> recycled_tiles_,
-      recycled_bricks_;  // had an owner, and nodes may still point at them
 };
 
 }  // namespace gvx::engine

@@ -25,20 +25,14 @@ struct ClearRecycled {
 
 NodePool::NodePool(const exec::Device& device, std::uint32_t n, std::uint32_t tiles, std::uint32_t channels)
     : device_(device),
+      tiles_(tiles),
       nodes_per_tile_(n * n * n),
       channels_(channels),
       child_(device, std::size_t(tiles) * nodes_per_tile_),
       content_(device, child_.size()),
       range_(device, child_.size() * channels),
-      tile_recycled_(device, tiles),
-      tile_parent_(tiles),
-      usage_(device, tiles, 1) {
+      tile_recycled_(device, tiles) {
   GVX_CHECK(child_.size() <= kPointerMask);
-}
-
-void NodePool::set_tile_parent(TileIndex tile, const NodeKey& parent) {
-  GVX_CHECK(tile.value != 0);
-  tile_parent_[tile.value] = parent;
 }
 
 void NodePool::reset_node(NodeIndex node, const NodeInfo& info, bool transparent) {

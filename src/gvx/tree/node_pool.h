@@ -8,7 +8,6 @@
 #include <span>
 #include <vector>
 
-#include "gvx/cache/usage_list.h"
 #include "gvx/core/index.h"
 #include "gvx/core/node_key.h"
 #include "gvx/core/voxel.h"
@@ -46,9 +45,7 @@ class NodePool {
   NodePoolView view() const {
     return {child_.view().data, content_.view().data, range_.view().data, nodes()};
   }
-  cache::UsageList& usage() { return usage_; }
-  const cache::UsageList& usage() const { return usage_; }
-  std::uint32_t tiles() const { return usage_.slots(); }
+  std::uint32_t tiles() const { return tiles_; }
   std::uint32_t nodes() const { return tiles() * nodes_per_tile_; }
   std::uint32_t nodes_per_tile() const { return nodes_per_tile_; }
   static NodeIndex root() { return NodeIndex(0); }
@@ -64,10 +61,6 @@ class NodePool {
   NodeIndex node_of(TileIndex tile, std::uint32_t child_index) const {
     return NodeIndex(tile.value * nodes_per_tile_ + child_index);
   }
-
-  /// Names the parent whose children a tile holds; not for tile 0.
-  void set_tile_parent(TileIndex tile, const NodeKey& parent);
-  const NodeKey& tile_parent(TileIndex tile) const { return tile_parent_[tile.value]; }
 
   /// Writes a node afresh: no children, no brick; constant where its range is.
   void reset_node(NodeIndex node, const NodeInfo& info, bool transparent);
@@ -91,13 +84,11 @@ class NodePool {
   void set_transparent(NodeIndex node, bool transparent);
 
   exec::Device device_;
-  std::uint32_t nodes_per_tile_, channels_;
+  std::uint32_t tiles_, nodes_per_tile_, channels_;
   exec::Buffer<ChildWord> child_;
   exec::Buffer<ContentWord> content_;
   exec::Buffer<ValueRange> range_;
   exec::Buffer<std::uint32_t> tile_recycled_, brick_recycled_;
-  std::vector<NodeKey> tile_parent_;
-  cache::UsageList usage_;
 };
 
 }  // namespace gvx::tree

@@ -1,0 +1,108 @@
+/// \file
+/// SlotTable: what is in the slots of a pool, by name, and which slot to give away first. Slots are numbers;
+/// the memory behind them is the pool's.
+///
+///     usage stamps, written by rays -> order_by_use() -> the oldest slots -> take() -> put()
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "gvx/cache/usage_list.h"
+#include "gvx/core/macros.h"
+
+namespace gvx::cache {
+
+/// Which slots may be given away.
+enum class Eviction {
+  unused,  ///< only what the last pass did not touch: a preview's rays come back to what they used
+  any      ///< the oldest, used or not: exact rays have passed the bricks that they used
+};
+
+/// Slots that were given away, and those of them that held something, to which others may still point.
+struct TakenSlots {
+  std::vector<std::uint32_t> slots, recycled;
+};
+
+template <typename Key, typename Hash = std::hash<Key>>
+class SlotTable {
+ public:
+  /// Slots 0 to `slots`-1; the first `reserved` of them are never given away, and have no name.
+  SlotTable(const exec::Device& device, std::uint32_t slots, std::uint32_t reserved = 0)
+      : usage_(device, slots, reserved), owners_(slots), unused_(slots - reserved) {}
+
+  /// What kernels stamp.
+  UsageView usage() { return usage_.view(); }
+  std::uint32_t slots() const { return usage_.slots(); }
+  /// Slots that hold something.
+  std::size_t size() const { return slot_of_.size(); }
+
+  std::optional<std::uint32_t> find(const Key& key) const {
+    const auto found = slot_of_.find(key);
+    return found == slot_of_.end() ? std::nullopt : std::optional(found->second);
+  }
+  bool contains(const Key& key) const { return slot_of_.contains(key); }
+  bool occupied(std::uint32_t slot) const { return owners_[slot].occupied; }
+  /// What an occupied slot holds.
+  const Key& key(std::uint32_t slot) const { return owners_[slot].key; }
+
+  /// After a pass: the slots that it stamped become the newest.
+  void order_by_use(std::uint32_t pass) { unused_ = usage_.order_by_use(pass); }
+  /// How many slots take() would give.
+  std::uint32_t room(Eviction eviction) const {
+    return eviction == Eviction::any ? usage_.givable() : unused_;
+  }
+
+  /// The oldest slots, as many as there is room for, but no more than `wanted`. They are empty now: put()
+  /// something in each, or it is the newest for nothing.
+  TakenSlots take(std::size_t wanted, Eviction eviction) {
+    const auto count = static_cast<std::uint32_t>(std::min<std::size_t>(wanted, room(eviction)));
+    TakenSlots taken{usage_.take_oldest(count), {}};
+    unused_ -= std::min(unused_, count);
+    for (const std::uint32_t slot : taken.slots) {
+      Owner& owner = owners_[slot];
+      if (!owner.occupied) continue;
+      slot_of_.erase(owner.key);
+      owner.occupied = false;
+      taken.recycled.push_back(slot);
+    }
+    return taken;
+  }
+  /// Names what is in an empty slot; nothing else may have the name.
+  void put(std::uint32_t slot, const Key& key) {
+    GVX_CHECK(!owners_[slot].occupied && !contains(key));
+    owners_[slot] = {key, true};
+    slot_of_[key] = slot;
+  }
+
+  /// Checks names, slots and order against each other; aborts where they disagree. For tests.
+  void check_invariants() const {
+    std::size_t occupied = 0;
+    for (const Owner& owner : owners_) occupied += owner.occupied ? 1 : 0;
+    GVX_CHECK(occupied == slot_of_.size());
+    for (const auto& [key, slot] : slot_of_) GVX_CHECK(owners_[slot].occupied && owners_[slot].key == key);
+    std::vector<bool> there(slots());
+    for (const std::uint32_t slot : usage_.order()) {
+      GVX_CHECK(!there[slot]);
+      there[slot] = true;
+    }
+  }
+
+ private:
+  struct Owner {
+    Key key{};
+    bool occupied = false;
+  };
+
+  UsageList usage_;
+  std::vector<Owner> owners_;  // of each slot
+  std::unordered_map<Key, std::uint32_t, Hash> slot_of_;
+  std::uint32_t unused_;  // at the front of the order: what the last pass did not stamp
+};
+
+}  // namespace gvx::cache
