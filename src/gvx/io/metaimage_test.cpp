@@ -144,7 +144,7 @@ TEST(MetaImage, errors_name_the_field) {
     EXPECT_NE(message.find(part), std::string::npos) << message;
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   };
-  expect_error("", "ElementDataFile: expected this field");
+  expect_error("", "is empty");
   expect_error("NDims = 3\nbinary junk\n", "found 'binary junk'");
   expect_error(small_mha("NDims = 3\n", data), "two of 'ndims'");
   expect_error(small_mha("", data, "MET_UCHAR_ARRAY"), "ElementType: expected MET_CHAR");

@@ -262,7 +262,7 @@ TEST(Nrrd, errors_name_the_field) {
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   };
   expect_error("NRRD0009\n", "magic: expected");
-  expect_error("", "magic: expected");
+  expect_error("", "is empty");
   expect_error(small_nrrd("", data), "encoding: expected this field");
   expect_error(small_nrrd("encoding: hex\n", data), "encoding: expected");
   expect_error(small_nrrd("encoding: raw\n", data, "block"), "type: expected");

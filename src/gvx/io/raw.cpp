@@ -66,11 +66,14 @@ Result<VolumeFile> describe_raw(const std::string& path, const RawOptions& given
   const RawOptions options = with_hints_from_name(given, path);
   if (!options.dimensions) {
     return file_error(path,
-                      "dimensions: expected to be given, or in the name as in engine_256x256x128_uint8.raw");
+                      "dimensions: expected in the name, as in engine_256x256x128_uint8.raw, or given "
+                      "(--dims 256,256,128)");
   }
   if (!options.type) {
-    return file_error(path, std::string("type: expected ") + kSampleTypeNames +
-                                " to be given, or in the name as in engine_256x256x128_uint8.raw");
+    return file_error(path,
+                      std::string("type: expected in the name, as in engine_256x256x128_uint8.raw, or given "
+                                  "(--dtype, one of ") +
+                          kSampleTypeNames + ")");
   }
   const std::int64_t offset = options.offset.value_or(0);
   if (offset < 0) {

@@ -13,6 +13,7 @@
 #include "gvx/io/metaimage.h"
 #include "gvx/io/nifti.h"
 #include "gvx/io/nrrd.h"
+#include "gvx/io/recognise.h"
 
 namespace gvx::io {
 namespace {
@@ -70,37 +71,52 @@ Result<std::uint64_t> count_bytes_and_rewind(ByteStream& stream) {
 
 using Parser = Result<VolumeFile> (*)(const std::string& path);
 
-Parser parser_for(const std::string& path) {
-  const std::string name = lower_case(path);
-  for (const char* extension : {".nrrd", ".nhdr"}) {
-    if (name.ends_with(extension)) return parse_nrrd;
+Parser parser_for(FileKind kind) {
+  switch (kind) {
+    case FileKind::nrrd:
+      return parse_nrrd;
+    case FileKind::nifti:
+      return parse_nifti;
+    case FileKind::metaimage:
+      return parse_metaimage;
+    default:
+      return nullptr;
   }
-  for (const char* extension : {".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"}) {
-    if (name.ends_with(extension)) return parse_nifti;
-  }
-  for (const char* extension : {".mha", ".mhd"}) {
-    if (name.ends_with(extension)) return parse_metaimage;
-  }
-  return nullptr;
 }
 
-bool is_raw_name(const std::string& path) {
-  std::string name = lower_case(path);
-  for (const char* packed : {".gz", ".bz2"}) {
-    if (name.ends_with(packed)) name.resize(name.size() - std::strlen(packed));
+/// For what is no volume.
+Error no_volume(const std::string& path, const Recognised& found) {
+  if (!found.problem.empty()) return not_read(path, found);
+  switch (found.kind) {
+    case FileKind::store:
+      return file_error(path, "expected a volume file, found a gvx store");
+    case FileKind::mesh:
+      return file_error(
+          path, "expected a volume, found a mesh; a mesh's name ends in .ply, .obj, .stl, .gltf or .glb");
+    default:
+      return file_error(
+          path,
+          "not a file that gvx knows; expected a volume (NRRD, NIfTI, MetaImage), or raw samples with "
+          "their shape (--dims X,Y,Z --dtype u8)");
   }
-  return name.ends_with(".raw") || name.ends_with(".bin") || name.ends_with(".dat");
 }
 
 Result<VolumeFile> describe(const std::string& path, const RawOptions& raw) {
-  const Parser parse = parser_for(path);
-  if (parse == nullptr) {
-    if (path == "-" || is_raw_name(path) || raw.dimensions) return describe_raw(path, raw);
-    return file_error(
-        path,
-        "name: expected .nrrd, .nhdr, .nii, .nii.gz, .hdr, .img, .mha, .mhd, .raw, .bin or .dat, or "
-        "dimensions for raw samples");
+  if (path == "-") return describe_raw(path, raw);
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    return file_error(path, "cannot open: " + (error ? error.message() : "No such file or directory"));
   }
+  const Recognised found = recognise(path);
+  const FileKind named = kind_by_name(path);
+  const bool names_raw = named == FileKind::raw || (raw.dimensions && parser_for(named) == nullptr);
+  if (names_raw && !found.folder) {
+    auto described = describe_raw(path, raw);
+    // Where nothing says the shape, the file may be something else.
+    if (described.ok() || found.kind == FileKind::raw) return described;
+  }
+  const Parser parse = parser_for(found.kind);
+  if (parse == nullptr) return no_volume(path, found);
   if (raw.dimensions || raw.type || raw.big_endian || raw.offset || raw.components) {
     return file_error(
         path, "describes itself: dimensions, type, components, byte order and offset are for raw files only");
