@@ -104,7 +104,7 @@ Status build(const Options& o) {
   GVX_ASSIGN(const auto volume, open_channels(o.inputs, volume_options));
   io::StoreBuildReport report;
   {
-    Progress progress("building", "");
+    Progress progress("building", Progress::Unit::bytes);
     GVX_ASSIGN(report,
                io::build_store(exec::Device::cpu(o.threads), *volume, o.output, options,
                                [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));

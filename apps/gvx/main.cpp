@@ -2,6 +2,7 @@
 // 1; a command line that cannot be understood is exit status 2.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -9,11 +10,14 @@
 #include <exception>
 #include <map>
 #include <new>
+#include <string>
+#include <vector>
 
 #include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
 
+#include "command_line.h"
 #include "commands.h"
 #include "messages.h"
 #include "signals.h"
@@ -58,11 +62,16 @@ int run(int argc, char** argv) {
                                                    {"build", add_build(program)},
                                                    {"render", add_render(program)},
                                                    {"verify", add_verify(program)}};
+  const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  if (const auto unknown = find_unknown_words(program, words)) {
+    warn(*unknown);
+    return 2;
+  }
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return finish_output(program.exit(error));
-    warn(std::string(error.what()) + " (gvx --help)");
+    warn(explain(program, error));
     return 2;
   }
   const Status status = commands.at(program.get_subcommands().front()->get_name())();

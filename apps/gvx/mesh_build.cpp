@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "messages.h"
@@ -61,13 +62,16 @@ std::string mesh_notes(const produce::MeshSummary& summary, bool solid) {
 Result<produce::MeshStoreReport> build_mesh(const exec::Device& cpu, const std::string& path,
                                             const std::string& output, produce::MeshStoreOptions options,
                                             MeshFlags::Fill fill, const std::string& title,
-                                            const std::string& scratch_folder) {
+                                            const std::string& scratch_folder, bool quiet) {
   const std::string beside = std::filesystem::path(output).parent_path().string();
   const std::string folder = !scratch_folder.empty() ? scratch_folder : beside.empty() ? "." : beside;
   std::optional<Progress> progress;
   std::string shown;
   const produce::MeshBuildProgress show = [&](const char* what, std::uint64_t done, std::uint64_t all) {
-    if (shown != what) progress.emplace(title + (shown = what), "items");
+    if (shown != what) {
+      const bool voxels = std::string_view(what) == "building";
+      progress.emplace(title + (shown = what), voxels ? Progress::Unit::voxels : Progress::Unit::none, quiet);
+    }
     progress->show(done, all);
   };
   GVX_ASSIGN(const auto mesh,

@@ -39,6 +39,6 @@ std::string mesh_notes(const produce::MeshSummary& summary, bool solid);
 Result<produce::MeshStoreReport> build_mesh(const exec::Device& cpu, const std::string& path,
                                             const std::string& output, produce::MeshStoreOptions options,
                                             MeshFlags::Fill fill, const std::string& title = "",
-                                            const std::string& scratch_folder = "");
+                                            const std::string& scratch_folder = "", bool quiet = false);
 
 }  // namespace gvx::app

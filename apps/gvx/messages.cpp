@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include <unistd.h>
+
 namespace gvx::app {
 
 std::string one_line(std::string text) {
@@ -12,7 +14,9 @@ std::string one_line(std::string text) {
 }
 
 void warn(const std::string& message) {
-  std::fprintf(stderr, "gvx: %s\n", one_line(message).c_str());
+  // A bar of progress may stand there.
+  const char* clear = isatty(STDERR_FILENO) == 1 ? "\r\033[K" : "";
+  std::fprintf(stderr, "%sgvx: %s\n", clear, one_line(message).c_str());
 }
 
 }  // namespace gvx::app

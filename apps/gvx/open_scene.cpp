@@ -7,9 +7,12 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include "build_report.h"
 #include "built_in_scenes.h"
+#include "command_line.h"
 #include "commands.h"
 #include "gvx/io/mesh.h"
 #include "gvx/io/scratch_file.h"
@@ -65,8 +68,9 @@ Status fill_store(const Devices& devices, const std::string& path, const io::Vol
     options.codec = store::Codec::lz4;
     GVX_TRY(check_all_taken(path, parts));
     GVX_TRY(before_build({VoxelType::u8, VoxelContent::color_normal, 7}));
-    GVX_ASSIGN(const auto report, build_mesh(devices.cpu, path, store_path, options,
-                                             MeshFlags::Fill::automatic, title + ": ", folder));
+    GVX_ASSIGN(const auto report,
+               build_mesh(devices.cpu, path, store_path, options, MeshFlags::Fill::automatic, title + ": ",
+                          folder, devices.quiet));
     (void)report;
     return {};
   }
@@ -78,7 +82,7 @@ Status fill_store(const Devices& devices, const std::string& path, const io::Vol
   options.memory_bytes = 4ull << 30;
   io::StoreBuildReport report;
   {
-    Progress progress(title, "");
+    Progress progress(title, Progress::Unit::bytes, devices.quiet);
     const auto show = [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); };
     GVX_ASSIGN(report, io::build_store(devices.cpu, *volume, store_path, options, show));
   }
@@ -200,6 +204,13 @@ Result<Scene> open_part(const Devices& devices, const std::string& name,
     return open_amplified(devices, name.substr(8), volume_options, parts, before_build);
   GVX_ASSIGN(std::optional<Scene> built_in, open_built_in_scene(devices.render, name, parts));
   if (built_in) return std::move(*built_in);
+  std::error_code ignored;
+  if (!std::filesystem::exists(name, ignored)) {
+    const std::vector<std::string> made = {"sponge", "stored-sponge", "cloud", "terrain"};
+    if (const auto near = closest(name, made)) {
+      return Error{name + ": neither a file nor a made scene; did you mean " + *near + "?"};
+    }
+  }
   GVX_ASSIGN(const bool store, is_store(name));
   std::unique_ptr<store::StoreReader> reader;
   if (store) {

@@ -35,6 +35,7 @@ struct Scene {
 struct Devices {
   exec::Device cpu;     ///< for what only runs there
   exec::Device render;  ///< where pictures are made, and what kernels make of them
+  bool quiet = false;   ///< says nothing of how far it is
 };
 
 /// Asked with what is known of a volume or mesh file before it is built into a store, which takes time.

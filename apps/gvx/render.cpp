@@ -22,6 +22,7 @@
 #include "nothing_seen.h"
 #include "open_scene.h"
 #include "outputs.h"
+#include "progress.h"
 #include "scene_flags.h"
 #include "scene_inputs.h"
 #include "scene_view.h"
@@ -94,6 +95,26 @@ Status check_takes_raw(const std::string& volume) {
   return store ? Status(VolumeFlags::refuse(file, "a store")) : Status();
 }
 
+/// An error of a scene file's field, "flags: lighting.ambient: expected ...", with the name of the flag that
+/// says the same.
+Error in_flag_of_field(const Error& error) {
+  const std::string& text = error.message;
+  const std::size_t start = text.find(": ") + 2, end = text.find(": ", start);
+  if (end == std::string::npos) return error;
+  std::string field = text.substr(start, end - start);
+  const std::size_t place = field.find('[');  // of a number in a list
+  if (place != std::string::npos) field.resize(place);
+  field = field.substr(field.rfind('.') + 1);
+  std::string flag = field == "functions" ? "--tf" : field == "cameraPath" ? "--key-frame" : "--";
+  if (flag == "--") {
+    for (const char c : field == "lights" ? "light" : field) {
+      const bool capital = c >= 'A' && c <= 'Z';
+      flag += capital ? std::string("-") + static_cast<char>(c - 'A' + 'a') : std::string(1, c);
+    }
+  }
+  return Error{flag + text.substr(end)};
+}
+
 /// What the command line says: a scene file or a volume, and flags.
 Result<scene::SceneFile> read_command(const Options& o) {
   scene::SceneFile scene;
@@ -109,8 +130,8 @@ Result<scene::SceneFile> read_command(const Options& o) {
   if (!scene.volume) return Error{o.scene + ": volume: expected a text (or --volume), found nothing"};
   if (o.flags.has_raw()) GVX_TRY(check_takes_raw(*scene.volume));
   // Flags obey the limits that a file's fields obey.
-  GVX_ASSIGN(const scene::SceneFile checked, scene::parse_scene(scene::to_json(scene), "command line"));
-  (void)checked;
+  const auto checked = scene::parse_scene(scene::to_json(scene), "flags");
+  if (!checked.ok()) return in_flag_of_field(checked.error());
   return scene;
 }
 
@@ -195,6 +216,7 @@ struct Studio {
   const exec::Device& device;
   engine::Engine& engine;
   bool proxy;
+  Progress& progress;
 };
 
 /// Writes the engine's picture. Says, behind `what`, why nothing can be seen in it; was that said?
@@ -216,14 +238,19 @@ Result<engine::Statistics> render_still(const Studio& studio, const render::View
   GVX_TRY(engine.look(view));
   engine::Statistics statistics;
   if (o.budget.empty()) {
-    GVX_TRY(engine.render_exact());
+    GVX_TRY(engine.render_exact(
+        [&](std::uint64_t finished, std::uint64_t all) { studio.progress.show(finished, all); }));
+    studio.progress.hide();
     statistics = engine.statistics();
   } else {
     GVX_ASSIGN(const auto budget, in_flag("--budget", parse_duration(o.budget)));
     for (int frame = 0; frame < o.budget_frames && !engine.converged(); ++frame) {
       GVX_TRY(engine.render_for(budget));
       statistics = sum(statistics, engine.statistics());
+      studio.progress.show(static_cast<std::uint64_t>(frame) + 1,
+                           static_cast<std::uint64_t>(o.budget_frames));
     }
+    studio.progress.hide();
   }
   GVX_ASSIGN(const bool says, write_picture_of(studio, o.output, view, true, o.output + ": "));
   (void)says;
@@ -238,7 +265,15 @@ Result<engine::Statistics> render_frames(const Studio& studio, render::View view
   bool said = false;
   const auto render_frame = [&](int frame, const std::string& file) -> Result<engine::Statistics> {
     GVX_TRY(studio.engine.look(view));
-    GVX_TRY(studio.engine.render_exact());
+    // A frame counts as so many parts, of which some are done while it is rendered.
+    constexpr std::uint64_t kParts = 1000;
+    const auto frames_done = static_cast<std::uint64_t>(frame - frames.first);
+    const std::uint64_t all_parts = kParts * static_cast<std::uint64_t>(frames.count());
+    GVX_TRY(studio.engine.render_exact([&](std::uint64_t finished, std::uint64_t all) {
+      studio.progress.show(kParts * frames_done + finished * kParts / all, all_parts);
+    }));
+    studio.progress.show(kParts * (frames_done + 1), all_parts);
+    studio.progress.hide();
     const std::string what = "frame " + std::to_string(frame) + ": ";
     GVX_ASSIGN(const bool says, write_picture_of(studio, file, view, !said, what));
     said = said || says;
@@ -279,9 +314,8 @@ Result<std::optional<scene::CameraPath>> camera_path(const scene::SceneFile& sce
 
 /// Will the bricks of such a tree fit the pool?
 Status check_memory(std::uint64_t memory_bytes, const produce::TreeDescription& tree) {
-  GVX_ASSIGN(const auto sizes, engine::PoolSizes::fitting(memory_bytes, tree));
-  (void)sizes;
-  return {};
+  const auto sizes = engine::PoolSizes::fitting(memory_bytes, tree);
+  return sizes.ok() ? Status() : Error{"--" + sizes.error().message};  // which begins with "memory"
 }
 
 Status render(const Options& o) {
@@ -306,7 +340,7 @@ Status render(const Options& o) {
     tree.format = format;
     return check_memory(engine_options.memory_bytes, tree);
   };
-  GVX_ASSIGN(const Scene opened, open_scene({exec::Device::cpu(o.threads), device}, *scene.volume,
+  GVX_ASSIGN(const Scene opened, open_scene({exec::Device::cpu(o.threads), device, o.quiet}, *scene.volume,
                                             volume_options(scene), scene.generate, before_build));
   GVX_ASSIGN(scene, complete(scene, o.flags, opened));
   GVX_ASSIGN(const auto path, camera_path(scene));
@@ -320,8 +354,12 @@ Status render(const Options& o) {
   if (!o.proxy.empty()) {
     GVX_ASSIGN(engine_options.proxy, make_proxy(std::move(proxy), opened, view));
   }
+  GVX_TRY(check_memory(engine_options.memory_bytes, opened.producer->description()));
   GVX_ASSIGN(const auto engine, engine::Engine::create(device, opened.producer, engine_options));
-  const Studio studio{o, device, *engine, engine_options.proxy != nullptr};
+  // A frame is done in parts, and those of a budget are few: only the share that is done says anything.
+  const bool counts_rays = !frames && o.budget.empty();
+  Progress progress("rendering", counts_rays ? Progress::Unit::rays : Progress::Unit::none, o.quiet);
+  const Studio studio{o, device, *engine, engine_options.proxy != nullptr, progress};
   GVX_ASSIGN(const engine::Statistics statistics,
              frames ? render_frames(studio, view, *frames, path) : render_still(studio, view));
   if (!o.stats.empty()) GVX_TRY(write_text("--stats", o.stats, to_json(statistics).dump(2) + "\n"));

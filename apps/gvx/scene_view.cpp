@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "built_in_scenes.h"
+#include "command_line.h"
 #include "gvx/io/transfer_function_file.h"
 #include "gvx/render/frame.h"
 #include "gvx/scene/camera_path.h"
@@ -23,7 +26,10 @@ Error no_such_function(const std::string& name) {
   std::string presets;
   for (const char* preset : scene::preset_names())
     presets += (presets.empty() ? "" : ", ") + std::string(preset);
-  return Error{name + ": neither a file nor a preset (presets: " + presets + ")"};
+  const std::vector<std::string> names(scene::preset_names().begin(), scene::preset_names().end());
+  const auto near = closest(name, names);
+  return Error{name + ": neither a file nor a preset (presets: " + presets + ")" +
+               (near ? "; did you mean " + *near + "?" : "")};
 }
 
 Result<scene::TransferFunction> open_function(const scene::FunctionParts& parts,

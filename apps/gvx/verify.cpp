@@ -21,7 +21,7 @@ Command add_verify(CLI::App& program) {
   return [path, threads]() -> Status {
     store::VerifyReport report;
     {
-      Progress progress("verifying", "nodes");
+      Progress progress("verifying", Progress::Unit::nodes);
       GVX_ASSIGN(report,
                  store::verify(exec::Device::cpu(*threads), *path,
                                [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));

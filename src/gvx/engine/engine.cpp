@@ -38,6 +38,9 @@ constexpr double kSettlingShare = 0.4;
 // only wait.
 constexpr double kLeastRefresh = 0.05, kMostRefresh = 0.4;
 
+// Between two reports of how far an exact picture is.
+constexpr std::chrono::milliseconds kReportInterval(250);
+
 // Passes in which no ray of the first screen tile came further, beside those that it takes to descend to a
 // brick, one a level: before one ray runs alone, and before it is taken for hopeless.
 constexpr int kPatience = 4;
@@ -224,16 +227,19 @@ render::Pass Engine::pass(const render::Frame& frame) {
 
 /// Marches the unfinished tiles of the window and strikes out those that are finished. A pass that the
 /// deadline cuts off goes on where it was cut, so that every tile has its turn.
-void Engine::exact_pass(exec::Deadline deadline) {
+/// With `progress` it is marched in parts, of which each takes about kReportInterval.
+void Engine::exact_pass(exec::Deadline deadline, const RayProgress& progress) {
   const TimeSum::Span marching(marching_);
   ++statistics_.passes;
   const bool timed = deadline != exec::no_deadline();
-  const std::size_t chunk =
-      timed ? 4 * static_cast<std::size_t>(device_.threads()) + 4 : unfinished_tiles_.size();
+  const std::size_t least_chunk = 4 * static_cast<std::size_t>(device_.threads()) + 4;
+  std::size_t chunk = timed ? least_chunk : unfinished_tiles_.size();
+  if (progress) chunk = std::max(least_chunk, chunk / 16);
   std::size_t end = std::min(window_, unfinished_tiles_.size());
   if (exact_cursor_ >= end || !timed) exact_cursor_ = 0;
   while (exact_cursor_ < end) {
     const std::size_t count = std::min(chunk, end - exact_cursor_);
+    const Clock::time_point begin = Clock::now();
     const auto first = unfinished_tiles_.begin() + static_cast<std::ptrdiff_t>(exact_cursor_);
     const auto last = first + static_cast<std::ptrdiff_t>(count);
     std::copy(first, last, tile_list_.view().begin());
@@ -248,8 +254,41 @@ void Engine::exact_pass(exec::Deadline deadline) {
     unfinished_tiles_.erase(kept, last);
     exact_cursor_ += count - struck;
     end -= struck;
+    if (!progress) continue;
+    report(progress);
+    const double parts = (Clock::now() - begin) / std::chrono::duration<double>(kReportInterval);
+    chunk =
+        std::max(least_chunk, static_cast<std::size_t>(static_cast<double>(count) / std::max(parts, 1e-3)));
   }
   exact_cursor_ = 0;
+}
+
+/// Says how many rays are finished: of those of unfinished tiles, some are looked at for all.
+void Engine::report(const RayProgress& progress) {
+  const Clock::time_point now = Clock::now();
+  if (!progress || now - reported_ < kReportInterval) return;
+  reported_ = now;
+  constexpr std::uint32_t kStep = 8;
+  constexpr std::size_t kMostTiles = 1024;
+  const exec::TileGrid grid = film_->grid();
+  const auto rays = static_cast<std::uint64_t>(grid.width) * grid.height;
+  std::uint64_t looked_at = 0, unfinished = 0;
+  const std::size_t stride = unfinished_tiles_.size() / kMostTiles + 1;
+  for (std::size_t i = 0; i < unfinished_tiles_.size(); i += stride) {
+    const std::uint32_t x0 = unfinished_tiles_[i] % grid.tiles_x() * grid.tile;
+    const std::uint32_t y0 = unfinished_tiles_[i] / grid.tiles_x() * grid.tile;
+    for (std::uint32_t y = y0; y < std::min(y0 + grid.tile, grid.height); y += kStep) {
+      for (std::uint32_t x = x0; x < std::min(x0 + grid.tile, grid.width); x += kStep) {
+        const render::RayState& ray = film_->rays()[std::size_t(y) * grid.width + x];
+        ++looked_at;
+        unfinished += ray.epoch == film_->epoch() && ray.phase == render::RayPhase::finished ? 0 : 1;
+      }
+    }
+  }
+  const double of_tiles = static_cast<double>(unfinished_tiles_.size()) / grid.tiles();
+  const double share =
+      looked_at == 0 ? 0 : of_tiles * static_cast<double>(unfinished) / static_cast<double>(looked_at);
+  progress(static_cast<std::uint64_t>((1 - share) * static_cast<double>(rays)), rays);
 }
 
 /// What rays lack, as far as there is room for it. Where they want more than that, fewer of them run at a
@@ -279,21 +318,23 @@ void Engine::ask(const std::vector<produce::Job>& jobs) {
   for (const produce::Job& job : jobs) for_later_.erase(job);
 }
 
-Status Engine::render_exact() {
+Status Engine::render_exact(const RayProgress& progress) {
   GVX_CHECK(film_.has_value());
+  reported_ = Clock::now();
   begin_frame();
   queue_.replace({});
   prefetching_ = false;
   while (!unfinished_tiles_.empty()) {
     ++stamp_;
-    exact_pass(exec::no_deadline());  // render
-    ask(collect());                   // collect
+    exact_pass(exec::no_deadline(), progress);  // render
+    ask(collect());                             // collect
     while (!queue_.idle()) {
       {
         const TimeSum::Span waiting(waiting_);
         queue_.wait();  // produce
       }
       GVX_TRY(take_finished());  // evict, commit
+      report(progress);
     }
     GVX_TRY(check_progress());
   }

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <unordered_set>
@@ -42,6 +43,9 @@ struct EngineOptions {
 /// Where frames find a tree.
 render::TreePlacement placement_of(const produce::TreeDescription& tree);
 
+/// Called with how many of a picture's rays are finished.
+using RayProgress = std::function<void(std::uint64_t finished, std::uint64_t all)>;
+
 /// One volume, one device, one picture at a time. Not thread-safe.
 class Engine {
  public:
@@ -54,7 +58,8 @@ class Engine {
   Status look(const render::View& asked);
 
   /// Renders until no ray lacks anything. The picture is the same for every cache size and number of threads.
-  Status render_exact();
+  /// `progress` is called from this thread, some times a second.
+  Status render_exact(const RayProgress& progress = {});
 
   /// Renders for this long: first a preview of what is resident, coarse blocks of pixels first, then exact
   /// rays; what producers finish meanwhile is taken in. Called again without a change of view it goes on,
@@ -86,7 +91,8 @@ class Engine {
   Status look_coarsely();
   void cut_rays();
   render::Pass pass(const render::Frame& frame);
-  void exact_pass(exec::Deadline deadline);
+  void exact_pass(exec::Deadline deadline, const RayProgress& progress = {});
+  void report(const RayProgress& progress);
   void begin_preview(std::uint32_t first_block);
   void begin_refresh();
   bool preview_chunk(exec::Deadline deadline);
@@ -138,8 +144,9 @@ class Engine {
   bool rays_marched_ = false;                   // in this frame
   std::unordered_set<produce::Job, produce::JobHash> for_later_;  // prefetched and not yet asked for
   std::chrono::steady_clock::time_point frame_start_;
-  std::chrono::nanoseconds overshoot_{0};    // by which frames were late
-  std::chrono::nanoseconds first_stage_{0};  // that the last preview's took
+  std::chrono::steady_clock::time_point reported_;  // when progress was said last
+  std::chrono::nanoseconds overshoot_{0};           // by which frames were late
+  std::chrono::nanoseconds first_stage_{0};         // that the last preview's took
   Statistics statistics_;
   TimeSum marching_, committing_, waiting_;
   std::chrono::nanoseconds waited_before_{0};  // waiting_ when the frame before began

@@ -28,7 +28,7 @@ struct SlabTriangle {
   std::array<Rgb8, 3> colors;
 };
 
-/// Called with what is being done, and how much of it.
+/// Called with what is being done, and how much of it: "sorting", in any unit, then "building", in voxels.
 using MeshBuildProgress = std::function<void(const char* what, std::uint64_t done, std::uint64_t all)>;
 
 class MeshSlabs {
