@@ -4,25 +4,33 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "commands.h"
 #include "gvx/io/header_text.h"
 #include "gvx/io/mesh.h"
+#include "gvx/io/value_survey.h"
 #include "gvx/io/volume_reader.h"
 #include "gvx/produce/mesh_spool.h"
 #include "gvx/store/store_reader.h"
 #include "messages.h"
 #include "open_scene.h"
+#include "progress.h"
 #include "units.h"
+#include "value_rows.h"
 
 namespace gvx::app {
 namespace {
 
 struct Options {
   std::string path;
-  bool json = false;
+  bool json = false, values = false, header = false;
   VolumeFlags volume;
 };
+
+// Samples of a volume file that are read without being asked for: they take seconds at most.
+constexpr std::uint64_t kReadUnasked = std::uint64_t{1} << 30;
 
 std::vector<double> list(Vec3d v) {
   return {v.x, v.y, v.z};
@@ -41,7 +49,7 @@ nlohmann::json describe_place(const Vec3i& dimensions, const Affine3& place, boo
           {"anatomical", anatomical}};
 }
 
-Result<nlohmann::json> describe_store(const std::string& path) {
+Result<nlohmann::json> describe_store(const std::string& path, std::vector<io::ValueSummary>& summaries) {
   GVX_ASSIGN(const auto reader, store::StoreReader::open(path));
   const store::VolumeInfo& info = reader->info();
   nlohmann::json j = describe_place(info.shape.dimensions, info.voxel_to_world, info.anatomical);
@@ -53,6 +61,13 @@ Result<nlohmann::json> describe_store(const std::string& path) {
   const double ends[2] = {info.scale * info.ranges.channel[0].minimum + info.offset,
                           info.scale * info.ranges.channel[0].maximum + info.offset};
   j["value_range"] = {std::min(ends[0], ends[1]), std::max(ends[0], ends[1])};
+  const auto voxels = static_cast<std::uint64_t>(info.shape.dimensions.x) *
+                      static_cast<std::uint64_t>(info.shape.dimensions.y) *
+                      static_cast<std::uint64_t>(info.shape.dimensions.z);
+  for (std::size_t channel = 0; channel < info.histograms.size(); ++channel) {
+    summaries.push_back(io::summary_of_bins(info.ranges.channel[channel], info.histograms[channel], voxels,
+                                            info.format.type != VoxelType::f32, info.scale, info.offset));
+  }
   j["scale"] = info.scale;
   j["offset"] = info.offset;
   j["n"] = info.shape.n;
@@ -73,9 +88,7 @@ Result<nlohmann::json> describe_store(const std::string& path) {
   return j;
 }
 
-Result<nlohmann::json> describe_volume(const std::string& path, const io::VolumeOptions& volume_options) {
-  GVX_ASSIGN(const auto reader, io::open_volume(path, volume_options));
-  const io::VolumeDescription& d = reader->description();
+nlohmann::json describe_volume(const io::VolumeDescription& d) {
   nlohmann::json j = describe_place(d.dimensions, d.voxel_to_world, d.anatomical);
   j["format"] = "volume file";
   j["type"] = io::sample_name(d.type);
@@ -89,13 +102,17 @@ Result<nlohmann::json> describe_volume(const std::string& path, const io::Volume
     j["frame"] = d.frame;
   }
   if (!d.remarks.empty()) j["remarks"] = d.remarks;
+  for (const io::ChannelDescription& channel : d.channels) j["channel_names"].push_back(channel.name);
   return j;
 }
 
 Result<nlohmann::json> describe_mesh(const std::string& path) {
   std::error_code error;
   const std::string folder = std::filesystem::temp_directory_path(error).string();
-  GVX_ASSIGN(const auto mesh, produce::spool_mesh(path, folder.empty() ? "." : folder, 1ull << 30, {}));
+  Progress progress("reading", Progress::Unit::none);
+  GVX_ASSIGN(const auto mesh,
+             produce::spool_mesh(path, folder.empty() ? "." : folder, 1ull << 30,
+                                 [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
   const produce::MeshSummary& summary = mesh->summary();
   return nlohmann::json{{"format", "mesh"},
                         {"vertices", summary.vertices},
@@ -121,11 +138,33 @@ std::string joined(const nlohmann::json& list, const char* separator) {
   return text;
 }
 
+void row(const char* name, const std::string& value) {
+  std::printf("  %-12s %s\n", name, value.c_str());
+}
+
+/// What the numbers of a voxel are, by their place among so many.
+std::string channel_name(const nlohmann::json& j, std::size_t channel, std::size_t channels) {
+  if (j.contains("channel_names") && channel < j["channel_names"].size()) {
+    const std::string name = j["channel_names"][channel];
+    if (!name.empty()) return one_line(name);
+  }
+  const std::string content = j["content"];
+  constexpr const char* kColors[] = {"red", "green", "blue", "opacity"};
+  if (content != "color" && content != "color+normal") return "channel " + std::to_string(channel + 1);
+  return channels == 1 ? "opacity" : kColors[std::min<std::size_t>(channel, 3)];
+}
+
+void print_values(const nlohmann::json& j, const std::vector<io::ValueSummary>& summaries) {
+  for (std::size_t channel = 0; channel < summaries.size(); ++channel) {
+    if (summaries.size() > 1 || j["content"] == "color" || j["content"] == "color+normal") {
+      std::printf("  %s\n", channel_name(j, channel, summaries.size()).c_str());
+    }
+    for (const auto& [name, value] : value_rows(summaries[channel])) row(name.c_str(), value);
+  }
+}
+
 void print(const std::string& path, const nlohmann::json& j) {
   std::printf("%s\n", one_line(path).c_str());
-  const auto row = [](const char* name, const std::string& value) {
-    std::printf("  %-12s %s\n", name, value.c_str());
-  };
   row("format", j["format"]);
   if (j.contains("triangles")) {
     row("triangles",
@@ -153,7 +192,6 @@ void print(const std::string& path, const nlohmann::json& j) {
   if (j.contains("remarks")) {
     for (const std::string remark : j["remarks"]) row("note", remark);
   }
-  if (j.contains("value_range")) row("values", joined(j["value_range"], " to "));
   if (j["scale"] != 1.0 || j["offset"] != 0.0) {
     row("physical", number(j["scale"]) + " * stored + " + number(j["offset"]));
   }
@@ -174,6 +212,54 @@ void print(const std::string& path, const nlohmann::json& j) {
   }
 }
 
+void print_json(nlohmann::json j, const std::vector<io::ValueSummary>& summaries) {
+  for (const io::ValueSummary& summary : summaries) j["channels"].push_back(value_json(summary));
+  std::printf("%s\n", j.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+}
+
+/// The header first: to read the values may take a while, or fail.
+Status info_of_volume(const Options& o, const io::VolumeOptions& volume) {
+  GVX_ASSIGN(const auto reader, io::open_volume(o.path, volume));
+  const nlohmann::json j = describe_volume(reader->description());
+  if (!o.json) print(o.path, j);
+  const std::uint64_t bytes = io::volume_bytes(reader->description());
+  // A pipe may have more to say to another reader, and its writer time.
+  const bool reads = o.values || (!o.header && bytes <= kReadUnasked && reader->can_rewind());
+  std::vector<io::ValueSummary> summaries;
+  if (reads) {
+    std::fflush(stdout);
+    Progress progress("reading values", Progress::Unit::bytes);
+    GVX_ASSIGN(summaries, io::survey_values(*reader, [&](std::uint64_t done, std::uint64_t all) {
+                 progress.show(done, all);
+               }));
+  } else if (!o.json) {
+    row("values", o.header ? "not read" : "not read (--values reads them, " + bytes_text(bytes) + ")");
+  }
+  if (o.json) {
+    print_json(j, summaries);
+  } else {
+    print_values(j, summaries);
+  }
+  return {};
+}
+
+Status info(const Options& o) {
+  GVX_ASSIGN(const bool store, is_store(o.path));
+  GVX_ASSIGN(const io::VolumeOptions volume, o.volume.parse());
+  const bool mesh = !store && io::is_mesh_name(o.path);
+  if (mesh && o.volume.given()) return o.volume.refuse(o.path);
+  if (!store && !mesh) return info_of_volume(o, volume);
+  std::vector<io::ValueSummary> summaries;
+  GVX_ASSIGN(const nlohmann::json j, store ? describe_store(o.path, summaries) : describe_mesh(o.path));
+  if (o.json) {
+    print_json(j, summaries);
+  } else {
+    print(o.path, j);
+    if (store) print_values(j, summaries);
+  }
+  return {};
+}
+
 }  // namespace
 
 Command add_info(CLI::App& program) {
@@ -184,22 +270,14 @@ Command add_info(CLI::App& program) {
                    "A .gvx store, a RAW, NRRD, NIfTI or MetaImage file, or a mesh (PLY, OBJ, STL, glTF)")
       ->required();
   command->add_flag("--json", options->json, "As JSON");
+  CLI::Option* header = command->add_flag("--header", options->header,
+                                          "Say what the header says; read no values of a volume file");
+  command
+      ->add_flag("--values", options->values,
+                 "Read the values of a volume file of any size; without it those of up to 1 GiB")
+      ->excludes(header);
   options->volume.add_to(*command);
-  return [options]() -> Status {
-    GVX_ASSIGN(const bool store, is_store(options->path));
-    GVX_ASSIGN(const io::VolumeOptions volume_options, options->volume.parse());
-    const bool mesh = !store && io::is_mesh_name(options->path);
-    if (mesh && options->volume.given()) return options->volume.refuse(options->path);
-    GVX_ASSIGN(const nlohmann::json j, store  ? describe_store(options->path)
-                                       : mesh ? describe_mesh(options->path)
-                                              : describe_volume(options->path, volume_options));
-    if (options->json) {
-      std::printf("%s\n", j.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
-    } else {
-      print(options->path, j);
-    }
-    return {};
-  };
+  return [options] { return info(*options); };
 }
 
 }  // namespace gvx::app
