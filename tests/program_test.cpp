@@ -350,7 +350,7 @@ TEST_F(Program, bad_scenes_are_one_line_that_names_the_field) {
     expect_error("render s.json -o a.png", part);
   };
   expect_scene_error("{", "s.json: not JSON at line 1, column 2");
-  expect_scene_error("{}", "s.json: volume: expected");
+  expect_scene_error("{}", "s.json: the scene names no volume");
   expect_scene_error(R"({"volume": "ball.gvx", "colour": 1})", "s.json: expected fields among");
   expect_scene_error(R"({"volume": "none.gvx"})", "none.gvx: cannot open");
   expect_scene_error(R"({"volume": "ball.gvx", "mode": "isosurface"})",

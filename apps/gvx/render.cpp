@@ -127,7 +127,8 @@ Result<scene::SceneFile> read_command(const Options& o) {
     scene.volume = o.scene;
   }
   GVX_TRY(o.flags.apply(scene));
-  if (!scene.volume) return Error{o.scene + ": volume: expected a text (or --volume), found nothing"};
+  if (!scene.volume)
+    return Error{o.scene + ": the scene names no volume; expected the field \"volume\", or --volume"};
   if (o.flags.has_raw()) GVX_TRY(check_takes_raw(*scene.volume));
   // Flags obey the limits that a file's fields obey.
   const auto checked = scene::parse_scene(scene::to_json(scene), "flags");
