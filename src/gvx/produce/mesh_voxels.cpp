@@ -282,9 +282,9 @@ Result<MeshStoreReport> build_mesh_store(const exec::Device& cpu, const MeshSpoo
       covered = covered || std::any_of(used.begin(), used.end(), [](const Voxel& v) { return v[3] > 0; });
       GVX_TRY(pyramid.push_slices(count, std::as_bytes(used)));
       if (progress) {
-        const std::int64_t slice = dimensions.x * dimensions.y;
-        progress("building", static_cast<std::uint64_t>(slice * (z + count)),
-                 static_cast<std::uint64_t>(slice * dimensions.z));
+        const std::int64_t slice_voxels = dimensions.x * dimensions.y;
+        progress("building", static_cast<std::uint64_t>(slice_voxels * (z + count)),
+                 static_cast<std::uint64_t>(slice_voxels * dimensions.z));
       }
     }
   }
