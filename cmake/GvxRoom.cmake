@@ -22,8 +22,6 @@ function(gvx_room NAME)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${NAME})
   target_include_directories(${target} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>
                                                 $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  # CMake 3.25 would ask nvcc for the same and does not know how; here CMAKE_CXX_STANDARD says it.
-  target_compile_features(${target} ${scope} $<INSTALL_INTERFACE:cxx_std_20>)
   list(TRANSFORM ROOM_MAY_INCLUDE PREPEND gvx_ OUTPUT_VARIABLE rooms)
   target_link_libraries(${target} ${scope} ${rooms} ${ROOM_LIBRARIES})
   if(GVX_WITH_CUDA AND ROOM_DEVICE_SOURCES)

@@ -75,27 +75,25 @@ class LatticeOfBalls final : public gvx::produce::Producer {
 };
 // [producer]
 
+static gvx::Status run(const char* picture) {
+  const auto producer = std::make_shared<LatticeOfBalls>();
+  GVX_ASSIGN(const auto engine, gvx::engine::Engine::create(gvx::exec::Device::cpu(), producer, {}));
+  gvx::render::View view;
+  view.width = view.height = 400;
+  view.detail = 1;
+  view.camera = gvx::scene::frame_box(producer->description().extent, {}, false, 1);
+  GVX_ASSIGN(const auto function, gvx::scene::preset("solid", {0, 1, {}}));
+  view.functions = {function};
+  GVX_TRY(engine->look(view));
+  GVX_TRY(engine->render_exact());
+  std::printf("%s: %llu bricks were made\n", picture,
+              static_cast<unsigned long long>(engine->statistics().bricks_produced));
+  return gvx::io::write_png(picture, view.width, view.height, engine->picture().to_8_bit());
+}
+
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: lattice_of_balls OUT.png\n");
-    return 2;
-  }
-  const auto render = [&]() -> gvx::Status {
-    const auto producer = std::make_shared<LatticeOfBalls>();
-    GVX_ASSIGN(const auto engine, gvx::engine::Engine::create(gvx::exec::Device::cpu(), producer, {}));
-    gvx::render::View view;
-    view.width = view.height = 400;
-    view.detail = 1;
-    view.camera = gvx::scene::frame_box(producer->description().extent, {}, false, 1);
-    GVX_ASSIGN(const auto function, gvx::scene::preset("solid", {0, 1, {}}));
-    view.functions = {function};
-    GVX_TRY(engine->look(view));
-    GVX_TRY(engine->render_exact());
-    std::printf("%s: %llu bricks were made\n", argv[1],
-                static_cast<unsigned long long>(engine->statistics().bricks_produced));
-    return gvx::io::write_png(argv[1], view.width, view.height, engine->picture().to_8_bit());
-  };
-  const gvx::Status status = render();
+  if (argc != 2) return std::fprintf(stderr, "usage: lattice_of_balls OUT.png\n"), 2;
+  const gvx::Status status = run(argv[1]);
   if (!status.ok()) std::fprintf(stderr, "%s\n", status.error().message.c_str());
   return status.ok() ? 0 : 1;
 }

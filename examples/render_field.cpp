@@ -1,5 +1,4 @@
-// A producer in a few lines: a field in closed form, rendered exactly. Nothing is stored; bricks are made
-// where rays ask.
+// Renders a function of one's own. Nothing is stored: bricks are made where rays ask.
 //
 //     render_field OUT.png
 
@@ -10,50 +9,50 @@
 #include <gvx/engine/engine.h>
 #include <gvx/io/image.h>
 #include <gvx/produce/field_producer.h>
+#include <gvx/produce/sampled_bounds.h>
 
-int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: render_field OUT.png\n");
-    return 2;
-  }
-  // A gyroid in a tree of 5 levels of 16^3 bricks: 256^3 voxels, of which only those near the surface are
-  // ever made.
+// A gyroid: four periods along each axis of the cube [0, 1]^3.
+static float gyroid(gvx::Vec3d p) {
+  const gvx::Vec3d q = 8 * M_PI * p;
+  return static_cast<float>(std::sin(q.x) * std::cos(q.y) + std::sin(q.y) * std::cos(q.z) +
+                            std::sin(q.z) * std::cos(q.x));
+}
+
+static gvx::Status run(const char* picture) {
+  // 16 * 2^4 = 256 voxels along an axis, of which only those near the surface are ever made.
   gvx::produce::TreeDescription tree;
   tree.max_level = 4;
-  const double k = 8 * M_PI;
-  const auto gyroid = [k](gvx::Vec3d p) {
-    return static_cast<float>(std::sin(k * p.x) * std::cos(k * p.y) + std::sin(k * p.y) * std::cos(k * p.z) +
-                              std::sin(k * p.z) * std::cos(k * p.x));
-  };
-  // The oracle: within a box the field differs from its centre's value by no more than its steepest slope
-  // allows.
-  const auto bounds = [k, gyroid](const gvx::Box3d& box) {
-    const float centre = gyroid(0.5 * (box.minimum + box.maximum));
-    const auto reach = static_cast<float>(k * std::sqrt(3.0) * 0.5 * length(box.maximum - box.minimum));
-    return gvx::ValueRange{std::fmax(centre - reach, -3.0f), std::fmin(centre + reach, 3.0f)};
-  };
-  const auto producer = std::make_shared<gvx::produce::FieldProducer>(tree, gyroid, bounds);
 
-  const auto engine = gvx::engine::Engine::create(gvx::exec::Device::cpu(), producer, {});
-  if (!engine.ok()) return std::fprintf(stderr, "%s\n", engine.error().message.c_str()), 1;
+  // The engine must know between which values the function lies in a box, to tell where there is nothing to
+  // see. Here that is estimated from samples. A period is 1/4 long; its bumps are half as wide.
+  gvx::produce::SampledBoundsOptions sampling;
+  sampling.feature = 1.0 / 8;
+  const auto producer = std::make_shared<gvx::produce::FieldProducer>(
+      tree, gyroid, gvx::produce::SampledBounds(gyroid, sampling));
+
+  // Where the estimate turns out to be wrong, the engine says so.
+  gvx::engine::EngineOptions options;
+  options.warn = [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); };
+  GVX_ASSIGN(const auto engine, gvx::engine::Engine::create(gvx::exec::Device::cpu(), producer, options));
 
   gvx::render::View view;
   view.width = view.height = 400;
   view.camera = gvx::scene::frame_box(tree.extent, tree.tree_to_world, false, 1);
-  view.functions = {{{{-0.3, {0.1, 0.5, 0.7}}, {0.3, {1, 0.7, 0.3}}},
-                     {{-0.3, 0}, {-0.1, 0.8}, {0.1, 0.8}, {0.3, 0}},
-                     0,
-                     {}}};
-  if (const auto status = engine.value()->look(view); !status.ok()) {
-    return std::fprintf(stderr, "%s\n", status.error().message.c_str()), 1;
-  }
-  if (const auto status = engine.value()->render_exact(); !status.ok()) {
-    return std::fprintf(stderr, "%s\n", status.error().message.c_str()), 1;
-  }
-  const auto status =
-      gvx::io::write_png(argv[1], view.width, view.height, engine.value()->picture().to_8_bit());
-  if (!status.ok()) return std::fprintf(stderr, "%s\n", status.error().message.c_str()), 1;
-  std::printf("%s: %llu bricks were made\n", argv[1],
-              static_cast<unsigned long long>(engine.value()->statistics().bricks_produced));
-  return 0;
+  // Only values near 0 can be seen: a thin sheet, blue on one side and orange on the other.
+  gvx::scene::TransferFunction sheet;
+  sheet.colors = {{-0.3, {0.1, 0.5, 0.7}}, {0.3, {1, 0.7, 0.3}}};
+  sheet.opacities = {{-0.3, 0}, {-0.1, 0.8}, {0.1, 0.8}, {0.3, 0}};
+  view.functions = {sheet};
+  GVX_TRY(engine->look(view));
+  GVX_TRY(engine->render_exact());
+  std::printf("%s: %llu bricks were made\n", picture,
+              static_cast<unsigned long long>(engine->statistics().bricks_produced));
+  return gvx::io::write_png(picture, view.width, view.height, engine->picture().to_8_bit());
+}
+
+int main(int argc, char** argv) {
+  if (argc != 2) return std::fprintf(stderr, "usage: render_field OUT.png\n"), 2;
+  const gvx::Status status = run(argv[1]);
+  if (!status.ok()) std::fprintf(stderr, "%s\n", status.error().message.c_str());
+  return status.ok() ? 0 : 1;
 }

@@ -325,6 +325,7 @@ Status render(const Options& o) {
     GVX_ASSIGN(frames, parse_frames(o.frames));
   }
   engine::EngineOptions engine_options;
+  engine_options.warn = warn;
   GVX_ASSIGN(engine_options.memory_bytes, in_flag("--memory", parse_bytes(o.memory)));
   if (!o.budget.empty()) {
     GVX_ASSIGN(const auto budget, in_flag("--budget", parse_duration(o.budget)));

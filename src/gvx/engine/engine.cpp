@@ -100,6 +100,7 @@ Result<std::unique_ptr<Engine>> Engine::create(const exec::Device& device,
   engine->prefetch_ = options.prefetch;
   engine->adapts_levels_ = options.adapt_levels;
   engine->proxy_ = options.proxy;
+  engine->warn_ = options.warn;
   GVX_TRY(engine->residency_.plant_root());
   return engine;
 }
@@ -191,8 +192,7 @@ void Engine::cut_rays() {
   const std::size_t rays = std::size_t(frame.width) * frame.height;
   if (spans_.size() != rays) spans_ = exec::Buffer<RayInterval>(device_, rays);
   const bool one_eye = !frame.camera.orthographic, eye_inside = one_eye && proxy_->inside(frame.eye_tree);
-  const exec::Device host = device_.kind() == exec::DeviceKind::cpu ? device_ : exec::Device::cpu(0);
-  exec::parallel_for(host, frame.height, [&](std::size_t y) {
+  exec::parallel_for(host(), frame.height, [&](std::size_t y) {
     for (std::uint32_t x = 0; x < frame.width; ++x) {
       const Ray from_eye = frame.camera.pixel_ray_from_eye(x, double(y));
       const Ray ray{frame.eye_tree + frame.world_to_tree.vector(from_eye.origin),
@@ -449,7 +449,8 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   GVX_CHECK(film_.has_value());
   begin_frame();
   ++stamp_;
-  GVX_TRY(residency_.plant_root_brick());
+  GVX_ASSIGN(const CommitCounts planted, residency_.plant_root_brick());
+  look_at_bounds(planted);
   GVX_TRY(take_finished());
   // However short the budget, each frame gets somewhere.
   const exec::Deadline wanted = frame_start_ + budget;
@@ -584,8 +585,15 @@ Status Engine::take_finished() {
       }));
   GVX_ASSIGN(const CommitCounts counts, residency_.commit(std::move(made), eviction_));
   statistics_.bricks_evicted += counts.bricks_evicted;
+  look_at_bounds(counts);
   data_came_ = data_came_ || (counts.committed > 0 && !prefetching_);
   return {};
+}
+
+/// Reports the first brick that breaks its bounds, and counts all.
+void Engine::look_at_bounds(const CommitCounts& counts) {
+  if (broken_bounds_ == 0 && counts.first_broken && warn_) warn_(counts.first_broken->message());
+  broken_bounds_ += counts.broken_bounds;
 }
 
 void Engine::begin_frame() {
@@ -605,6 +613,7 @@ Statistics Engine::statistics() const {
   const render::FilmTotals totals = film_ ? film_->totals() : render::FilmTotals{};
   s.bricks_resident = residency_.resident_bricks();
   s.nodes_resident = residency_.resident_nodes();
+  s.bricks_beyond_bounds = broken_bounds_;
   s.bytes_read = producer_->bytes_read();
   s.samples = totals.samples;
   s.converged = converged();
@@ -622,9 +631,49 @@ Statistics Engine::statistics() const {
   return s;
 }
 
+exec::Device Engine::host() const {
+  return device_.kind() == exec::DeviceKind::cpu ? device_ : exec::Device::cpu();
+}
+
+render::Film::Development Engine::development() const {
+  return {view_->antialias, view_->background, view_->opaque_background};
+}
+
 render::Picture Engine::picture() const {
   GVX_CHECK(film_.has_value());
-  return film_->develop(view_->antialias, view_->background, view_->opaque_background);
+  return film_->develop(host(), development());
+}
+
+Status Engine::picture(const render::PictureTarget& target) {
+  GVX_CHECK(film_.has_value());
+  GVX_TRY(render::check(target, view_->width, view_->height));
+  const bool deep = view_->mode == scene::Mode::composite || view_->mode == scene::Mode::isosurface;
+  if (!target.depth.values.empty() && !deep) {
+    return Error{"picture: depth: only modes composite and isosurface have one"};
+  }
+  film_->develop(host(), development(), target);
+  if (!target.depth.values.empty()) write_depth(target.depth);
+  return {};
+}
+
+void Engine::write_depth(const render::PictureRows<float>& depth) {
+  constexpr float kHalf = 0.5f;
+  const std::uint32_t width = view_->width, rays = view_->antialias;
+  const std::size_t stride = depth.stride > 0 ? depth.stride : width;
+  const render::Pass all = pass(moving_frame_ ? *moving_frame_ : *frame_);
+  const scene::CameraView& camera = all.frame.camera;
+  exec::parallel_for(host(), view_->height, [&](std::size_t y) {
+    for (std::uint32_t x = 0; x < width; ++x) {
+      double along_view = INFINITY;
+      if (film_->opacity(rays, x, static_cast<std::uint32_t>(y)) >= kHalf) {
+        const auto middle = [&](double pixel) { return pixel * rays + 0.5 * (rays - 1); };
+        const double ray_x = middle(x), ray_y = middle(static_cast<double>(y));
+        const double distance = render::distance_to(all, ray_x, ray_y, kHalf);
+        along_view = distance * dot(camera.pixel_ray_from_eye(ray_x, ray_y).direction, camera.forward);
+      }
+      depth.values[y * stride + x] = static_cast<float>(along_view);
+    }
+  });
 }
 
 }  // namespace gvx::engine

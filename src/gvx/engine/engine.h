@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <unordered_set>
 #include <vector>
 
@@ -38,6 +39,9 @@ struct EngineOptions {
   bool adapt_levels = true;
   /// What rays are cut by where pictures are composited or of isosurfaces: it must hold all that is seen.
   std::shared_ptr<const produce::Proxy> proxy = {};
+  /// Is called with one line where something is wrong that is no error, during a call of the engine and on
+  /// its caller's thread: once, where the first brick holds values beyond its node's bounds.
+  std::function<void(const std::string&)> warn = {};
 };
 
 /// Where frames find a tree.
@@ -68,7 +72,13 @@ class Engine {
 
   /// Is the picture the exact one?
   bool converged() const { return film_.has_value() && unfinished_tiles_.empty(); }
+  /// What is rendered by now.
   render::Picture picture() const;
+  /// The same into the caller's memory, in parallel. An error where rows do not fit, or where the depth of a
+  /// projection is asked for. Depth is of the ray through a pixel's middle: where what is resident hides half
+  /// of what lies behind, or the isosurface; measured along the view, as depth buffers are, not along the
+  /// ray. It is found by marching these rays once more, one by one.
+  Status picture(const render::PictureTarget& target);
   /// Of the last call of render_exact or render_for. Reads all pixels.
   Statistics statistics() const;
   const produce::TreeDescription& tree() const { return producer_->description(); }
@@ -93,6 +103,9 @@ class Engine {
   render::Pass pass(const render::Frame& frame);
   void exact_pass(exec::Deadline deadline, const RayProgress& progress = {});
   void report(const RayProgress& progress);
+  exec::Device host() const;
+  render::Film::Development development() const;
+  void write_depth(const render::PictureRows<float>& depth);
   void begin_preview(std::uint32_t first_block);
   void begin_refresh();
   bool preview_chunk(exec::Deadline deadline);
@@ -104,6 +117,7 @@ class Engine {
   void prefetch(exec::Deadline deadline);
   Status check_progress();
   Status take_finished();
+  void look_at_bounds(const CommitCounts& counts);
   void begin_frame();
   void end_frame();
 
@@ -115,6 +129,8 @@ class Engine {
   Residency residency_;
   produce::ProductionQueue queue_;
   std::shared_ptr<const produce::Proxy> proxy_;
+  std::function<void(const std::string&)> warn_;
+  std::uint64_t broken_bounds_ = 0;  // bricks of all frames
   exec::Buffer<RayInterval> spans_;  // of the film's rays in it; none: rays are not cut
   std::optional<render::View> view_;
   std::optional<render::Frame> frame_;

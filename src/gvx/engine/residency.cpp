@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <sstream>
 #include <unordered_set>
 #include <utility>
 
@@ -26,6 +27,16 @@ Result<PoolSizes> PoolSizes::fitting(std::uint64_t memory_bytes, const produce::
   return PoolSizes{static_cast<std::uint32_t>(tiles), static_cast<std::uint32_t>(bricks)};
 }
 
+std::string BrokenBounds::message() const {
+  std::ostringstream text;
+  text << "producer: the brick of node (" << key.x << ", " << key.y << ", " << key.z << ") of level "
+       << key.level << " holds values from " << found.minimum << " to " << found.maximum
+       << ", but its bounds are " << promised.minimum << " to " << promised.maximum;
+  if (channel > 0) text << " (channel " << channel << ")";
+  text << "; parts of pictures may be missing until the producer's bounds are wider";
+  return text.str();
+}
+
 Residency::Residency(const exec::Device& device, const produce::Producer& producer, PoolSizes sizes)
     : producer_(producer),
       nodes_(device, producer.description().n, sizes.tiles, producer.description().format.channels()),
@@ -42,14 +53,16 @@ Status Residency::plant_root() {
   return {};
 }
 
-Status Residency::plant_root_brick() {
+Result<CommitCounts> Residency::plant_root_brick() {
   const NodeIndex root = tree::NodePool::root();
-  if (nodes_.content(root).kind() != tree::ContentKind::none || nodes_.child(root).transparent()) return {};
+  if (nodes_.content(root).kind() != tree::ContentKind::none || nodes_.child(root).transparent()) {
+    return CommitCounts{};
+  }
   const Job job{NodeKey{}, JobKind::brick};
   askers_[job] = {root};
-  GVX_ASSIGN(const CommitCounts counts, commit(produce::make(producer_, std::span(&job, 1)), Eviction::any));
+  GVX_ASSIGN(CommitCounts counts, commit(produce::make(producer_, std::span(&job, 1)), Eviction::any));
   GVX_CHECK(counts.committed == 1);
-  return {};
+  return counts;
 }
 
 void Residency::set_visibility(const scene::Visibility& visibility, bool another) {
@@ -155,6 +168,18 @@ void Residency::fill_tile(TileIndex tile, const Produced& made) {
   }
 }
 
+std::optional<BrokenBounds> Residency::broken_bounds(NodeIndex node, const Produced& made) const {
+  if (!made.found) return std::nullopt;
+  const ChannelRanges promised = nodes_.ranges(node);
+  for (std::uint32_t c = 0; c < producer_.description().format.channels(); ++c) {
+    const ValueRange bounds = promised.channel[c], found = made.found->channel[c];
+    if (found.minimum < bounds.minimum || found.maximum > bounds.maximum) {
+      return BrokenBounds{made.job.key, c, bounds, found};
+    }
+  }
+  return std::nullopt;
+}
+
 Result<CommitCounts> Residency::commit(std::vector<Produced> made, Eviction eviction) {
   CommitCounts counts;
   std::vector<const Produced*> tiles, bricks;
@@ -190,9 +215,16 @@ Result<CommitCounts> Residency::commit(std::vector<Produced> made, Eviction evic
   for (const Produced& p : made) {
     const auto askers = askers_.find(p.job);
     if (!p.status.ok() || askers == askers_.end()) continue;
+    bool compared = false;
     for (const NodeIndex node : askers->second) {
       // The tile that the asker stood in may have been given away since.
       if (is_gone(node) || key_of(node) != p.job.key) continue;
+      if (!std::exchange(compared, true)) {
+        if (auto broken = broken_bounds(node, p)) {
+          ++counts.broken_bounds;
+          if (!counts.first_broken) counts.first_broken = std::move(broken);
+        }
+      }
       if (p.constant) {
         nodes_.set_constant(node, *p.constant, is_transparent(*p.constant));
       } else {

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -32,11 +33,24 @@ struct PoolSizes {
 
 using cache::Eviction;
 
+/// A brick that holds values beyond what its producer had promised of the node: what cannot be seen was told
+/// by the promise, so parts of pictures may be missing.
+struct BrokenBounds {
+  NodeKey key;
+  std::uint32_t channel = 0;
+  ValueRange promised, found;  ///< stored values
+
+  /// One line that says all this.
+  std::string message() const;
+};
+
 /// What a commit did with what it was given.
 struct CommitCounts {
   std::uint64_t committed = 0;
   std::uint64_t bricks_evicted = 0;
-  std::uint64_t turned_away = 0;  ///< for want of room; rays will ask again
+  std::uint64_t turned_away = 0;                  ///< for want of room; rays will ask again
+  std::uint64_t broken_bounds = 0;                ///< bricks
+  std::optional<BrokenBounds> first_broken = {};  ///< the first of them
 };
 
 class Residency {
@@ -47,7 +61,7 @@ class Residency {
   Status plant_root();
 
   /// Makes the root's brick where a preview would have nothing else to show.
-  Status plant_root_brick();
+  Result<CommitCounts> plant_root_brick();
 
   /// What says which nodes are transparent; its tables must live until the next call. Where it is another
   /// than before, and not only at another address, the resident nodes are reclassified.
@@ -85,6 +99,7 @@ class Residency {
   /// Has the node's tile been given away?
   bool is_gone(NodeIndex node) const;
   void fill_tile(TileIndex tile, const produce::Produced& made);
+  std::optional<BrokenBounds> broken_bounds(NodeIndex node, const produce::Produced& made) const;
 
   const produce::Producer& producer_;
   tree::NodePool nodes_;

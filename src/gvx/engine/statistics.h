@@ -36,8 +36,10 @@ struct Statistics {
   std::uint64_t bricks_evicted = 0;   ///< of this frame
   std::uint64_t bricks_resident = 0;
   std::uint64_t nodes_resident = 0;
-  std::uint64_t bytes_read = 0;         ///< by the producer since it was opened
-  std::uint64_t samples = 0;            ///< of the exact rays of this view so far
+  std::uint64_t bricks_beyond_bounds =
+      0;                         ///< since the engine was made: they hold what their nodes did not promise
+  std::uint64_t bytes_read = 0;  ///< by the producer since it was opened
+  std::uint64_t samples = 0;     ///< of the exact rays of this view so far
   std::uint64_t peak_memory_bytes = 0;  ///< of the process
   bool converged = false;               ///< the picture is the exact one
   double resident_share = 0;            ///< of what the preview's rays wanted; 1 where the picture is exact

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <exception>
 #include <iterator>
+#include <limits>
 #include <new>
 #include <string>
 #include <utility>
@@ -21,6 +22,25 @@ std::optional<ChannelRanges> single_value(VoxelType type, std::span<const std::b
     const auto v = static_cast<float>(value);
     return std::optional<ChannelRanges>(ValueRange{v, v});
   });
+}
+
+/// Of each channel the least and the greatest value; what is no data is neither.
+ChannelRanges ranges_in(const TreeDescription& tree, std::span<const std::byte> voxels) {
+  ChannelRanges ranges;
+  const std::size_t texels = plane_texels(tree.m);
+  with_voxel_type(tree.format.type, [&](auto zero) {
+    const auto* plane = reinterpret_cast<const decltype(zero)*>(voxels.data());
+    for (std::uint32_t c = 0; c < tree.format.channels(); ++c, plane += texels) {
+      auto least = std::numeric_limits<decltype(zero)>::max(),
+           greatest = std::numeric_limits<decltype(zero)>::lowest();
+      for (std::size_t i = 0; i < texels; ++i) {
+        least = plane[i] < least ? plane[i] : least;
+        greatest = plane[i] > greatest ? plane[i] : greatest;
+      }
+      ranges.channel[c] = {static_cast<float>(least), static_cast<float>(greatest)};
+    }
+  });
+  return ranges;
 }
 
 const exec::Device& host() {
@@ -43,11 +63,15 @@ void make_bricks(const Producer& producer, std::span<Produced* const> bricks) {
     brick.status = status;
     brick.memory = memory;
     brick.voxels = voxels.subspan(i * bytes, bytes);
+    const bool here = device.kind() == exec::DeviceKind::cpu;
+    if (status.ok() && here && !tree.exact_ranges && tree.format.content == VoxelContent::scalar) {
+      brick.found = ranges_in(tree, brick.voxels);
+    }
     const bool may_be_constant =
         keys[i].level == tree.max_level && !tree.exact_ranges && tree.format.planes == 1;
     if (!status.ok() || !may_be_constant) continue;
     brick.constant = constants[i];
-    if (!brick.constant && device.kind() == exec::DeviceKind::cpu) {
+    if (!brick.constant && here) {
       const std::size_t plane = plane_texels(tree.m) * voxel_bytes(tree.format.type);
       brick.constant = single_value(tree.format.type, brick.voxels.first(plane));
     }
@@ -98,7 +122,7 @@ void do_jobs(JobKind kind, std::vector<Produced>& all, Work work) {
 
 std::vector<Produced> make(const Producer& producer, std::span<const Job> jobs) {
   std::vector<Produced> all;
-  for (const Job& job : jobs) all.push_back({job, {}, {}, {}, {}, {}, {}});
+  for (const Job& job : jobs) all.push_back({job, {}, {}, {}, {}, {}, {}, {}});
   do_jobs(JobKind::brick, all, [&](std::span<Produced* const> bricks) { make_bricks(producer, bricks); });
   do_jobs(JobKind::children, all,
           [&](std::span<Produced* const> parents) { describe_children(producer, parents); });

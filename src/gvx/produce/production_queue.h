@@ -43,8 +43,10 @@ struct Produced {
   std::span<const std::byte> voxels;                      ///< of a brick
   std::shared_ptr<const exec::Buffer<std::byte>> memory;  ///< that holds them
   std::optional<ChannelRanges> constant;  ///< the one value of a brick that turned out to have but one
-  std::vector<NodeKey> child_keys;        ///< of children: canonical
-  std::vector<tree::NodeInfo> children;   ///< of children: N^3 of them
+  /// Of all values of a brick of scalars, border and all, in a host's memory; not of a tree of exact ranges.
+  std::optional<ChannelRanges> found;
+  std::vector<NodeKey> child_keys;       ///< of children: canonical
+  std::vector<tree::NodeInfo> children;  ///< of children: N^3 of them
 };
 
 /// Does jobs together, on the calling thread; what the producer throws becomes an error, and an error is one

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+
+#include "gvx/exec/parallel.h"
 
 namespace gvx::render {
 namespace {
@@ -12,13 +15,43 @@ float to_linear(float display) {
   return display <= 0.04045f ? display / 12.92f : std::pow((display + 0.055f) / 1.055f, 2.4f);
 }
 
+/// From 0 to 1; what is no number is 0.
+std::uint8_t to_byte(float v) {
+  return static_cast<std::uint8_t>(std::fmin(std::fmax(v, 0.0f), 1.0f) * 255.0f + 0.5f);
+}
+
+/// The `length` values of row y; none where there is no memory for any.
+template <typename T>
+std::span<T> row_of(const PictureRows<T>& rows, std::uint32_t y, std::size_t length) {
+  if (rows.values.empty()) return {};
+  return rows.values.subspan(y * (rows.stride > 0 ? rows.stride : length), length);
+}
+
+template <typename T>
+Status check_rows(const char* name, const PictureRows<T>& rows, std::size_t length, std::size_t height) {
+  if (rows.values.empty()) return {};
+  const std::size_t stride = rows.stride > 0 ? rows.stride : length;
+  // The last row needs no gap behind it.
+  if (stride >= length && rows.values.size() >= length &&
+      (rows.values.size() - length) / stride + 1 >= height) {
+    return {};
+  }
+  return Error{std::string("picture: ") + name + ": " + std::to_string(rows.values.size()) +
+               " values with rows " + std::to_string(stride) + " apart do not hold " +
+               std::to_string(height) + " rows of " + std::to_string(length)};
+}
+
 }  // namespace
+
+Status check(const PictureTarget& target, std::uint32_t width, std::uint32_t height) {
+  GVX_TRY(check_rows("rgba8", target.rgba8, std::size_t{4} * width, height));
+  GVX_TRY(check_rows("rgba", target.rgba, std::size_t{4} * width, height));
+  return check_rows("depth", target.depth, width, height);
+}
 
 std::vector<std::uint8_t> Picture::to_8_bit() const {
   std::vector<std::uint8_t> bytes(rgba.size());
-  std::transform(rgba.begin(), rgba.end(), bytes.begin(), [](float v) {
-    return static_cast<std::uint8_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255.0f));
-  });
+  std::transform(rgba.begin(), rgba.end(), bytes.begin(), to_byte);
   return bytes;
 }
 
@@ -55,6 +88,10 @@ Film::Seen Film::seen(std::uint32_t x, std::uint32_t y) const {
   if (is_blank(x, y)) return {};
   const RayState& ray = rays_.view()[std::size_t(y) * width_ + x];
   if (ray.epoch == epoch_ && ray.phase == RayPhase::finished) return {ray.color, ray.opacity};
+  return seen_in_preview(x, y);
+}
+
+Film::Seen Film::seen_in_preview(std::uint32_t x, std::uint32_t y) const {
   Seen best;
   std::uint32_t newest = 0;
   for (std::uint32_t block = 1; block <= kLargestBlock; block *= 2) {
@@ -66,36 +103,54 @@ Film::Seen Film::seen(std::uint32_t x, std::uint32_t y) const {
   return best;
 }
 
-Picture Film::develop(std::uint32_t rays_per_axis, Vec3f background, bool opaque_background) const {
+Film::Seen Film::mean_of(std::uint32_t rays_per_axis, std::uint32_t x, std::uint32_t y) const {
   const std::uint32_t k = rays_per_axis;
-  Picture picture{width_ / k, height_ / k, std::vector<float>(std::size_t(width_ / k) * (height_ / k) * 4)};
-  float* out = picture.rgba.data();
-  for (std::uint32_t y = 0; y < picture.height; ++y) {
-    for (std::uint32_t x = 0; x < picture.width; ++x, out += 4) {
-      Vec3f color;
-      float opacity = 0;
-      for (std::uint32_t j = 0; j < k; ++j) {
-        for (std::uint32_t i = 0; i < k; ++i) {
-          const Seen one = seen(x * k + i, y * k + j);
-          color = color + one.color;
-          opacity += one.opacity;
-        }
-      }
-      color = color / static_cast<float>(k * k);
-      opacity /= static_cast<float>(k * k);
-      if (opaque_background) {
-        color = color + (1 - opacity) * background;
-        opacity = 1;
-      } else if (opacity > 0) {
-        color = color / opacity;
-      }
-      out[0] = color.x;
-      out[1] = color.y;
-      out[2] = color.z;
-      out[3] = opacity;
+  if (k == 1) return seen(x, y);
+  Seen sum;
+  for (std::uint32_t j = 0; j < k; ++j) {
+    for (std::uint32_t i = 0; i < k; ++i) {
+      const Seen one = seen(x * k + i, y * k + j);
+      sum.color = sum.color + one.color;
+      sum.opacity += one.opacity;
     }
   }
+  return {sum.color / static_cast<float>(k * k), sum.opacity / static_cast<float>(k * k)};
+}
+
+Picture Film::develop(const exec::Device& cpu, const Development& how) const {
+  Picture picture{width_ / how.rays_per_axis, height_ / how.rays_per_axis, {}};
+  picture.rgba.resize(std::size_t(picture.width) * picture.height * 4);
+  develop(cpu, how, {.rgba = {picture.rgba}});
   return picture;
+}
+
+void Film::develop(const exec::Device& cpu, const Development& how, const PictureTarget& target) const {
+  const std::uint32_t k = how.rays_per_axis, width = width_ / k, height = height_ / k;
+  GVX_CHECK(check(target, width, height).ok());
+  exec::parallel_for(cpu, height, [&](std::size_t row) {
+    const auto y = static_cast<std::uint32_t>(row);
+    const auto bytes = row_of(target.rgba8, y, std::size_t{4} * width);
+    const auto floats = row_of(target.rgba, y, std::size_t{4} * width);
+    if (bytes.empty() && floats.empty()) return;
+    for (std::uint32_t x = 0; x < width; ++x) {
+      const Seen pixel = mean_of(k, x, y);
+      Vec3f color = pixel.color;
+      float alpha = pixel.opacity;
+      if (how.opaque_background) {
+        color = color + (1 - alpha) * how.background;
+        alpha = 1;
+      } else if (alpha > 0) {
+        color = color / alpha;
+      }
+      const float rgba[4] = {color.x, color.y, color.z, alpha};
+      if (!floats.empty()) std::copy_n(rgba, 4, &floats[std::size_t{4} * x]);
+      if (!bytes.empty()) std::transform(rgba, rgba + 4, &bytes[std::size_t{4} * x], to_byte);
+    }
+  });
+}
+
+float Film::opacity(std::uint32_t rays_per_axis, std::uint32_t x, std::uint32_t y) const {
+  return mean_of(rays_per_axis, x, y).opacity;
 }
 
 FilmTotals Film::totals() const {

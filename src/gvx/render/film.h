@@ -2,9 +2,12 @@
 /// Film: the rays and preview pixels of one picture, and the picture that they make.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "gvx/core/result.h"
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
 #include "gvx/exec/tile_grid.h"
@@ -23,6 +26,25 @@ struct Picture {
   /// Colours in linear light, multiplied by alpha, as EXR files hold them.
   std::vector<float> to_linear_premultiplied() const;
 };
+
+/// Memory of the caller's that rows of pixels are written into, from the top.
+template <typename T>
+struct PictureRows {
+  std::span<T> values;
+  std::size_t stride = 0;  ///< from the start of a row to that of the next, in values; 0: no gap between rows
+};
+
+/// Where a picture is to be put; what has no memory is left out.
+struct PictureTarget {
+  PictureRows<std::uint8_t> rgba8 = {};  ///< as Picture::to_8_bit(): four values a pixel
+  PictureRows<float> rgba = {};          ///< as Picture::rgba: four values a pixel
+  /// One value a pixel: how far, along the view and in the world's units, what is seen there is from the eye.
+  /// Infinite where the pixel shows less than half of anything.
+  PictureRows<float> depth = {};
+};
+
+/// An error that says which rows of a picture of this size do not fit into their memory.
+Status check(const PictureTarget& target, std::uint32_t width, std::uint32_t height);
 
 /// Peak signal-to-noise ratio of the colours, held to 0 to 1, peak 1, in decibels; infinite where they are
 /// equal. For pictures of one size.
@@ -57,9 +79,21 @@ class Film {
   /// What rays and preview pixels of this picture carry; others count as not there.
   std::uint32_t epoch() const { return epoch_; }
 
+  /// How pixels are made of rays.
+  struct Development {
+    std::uint32_t rays_per_axis = 1;
+    Vec3f background;
+    bool opaque_background = true;  ///< otherwise pixels keep their alpha
+  };
   /// Pixels of rays_per_axis^2 rays each: finished rays as they are; the rest as a preview pixel whose block
-  /// they are in, of the newest generation and then of the finest block; else nothing.
-  Picture develop(std::uint32_t rays_per_axis, Vec3f background, bool opaque_background) const;
+  /// they are in, of the newest generation and then of the finest block; else nothing. On the threads of
+  /// `cpu`.
+  Picture develop(const exec::Device& cpu, const Development& how) const;
+  /// The same into the target's colours, which must fit: check(). Depth is not a film's to know.
+  void develop(const exec::Device& cpu, const Development& how, const PictureTarget& target) const;
+
+  /// The opacity of what pixel (x, y) shows of the volume.
+  float opacity(std::uint32_t rays_per_axis, std::uint32_t x, std::uint32_t y) const;
 
   FilmTotals totals() const;
   /// Of what the preview's rays of blocks of this size wanted, the share that they had; 1 before any ran.
@@ -72,6 +106,8 @@ class Film {
     float opacity = 0;
   };
   Seen seen(std::uint32_t x, std::uint32_t y) const;
+  Seen seen_in_preview(std::uint32_t x, std::uint32_t y) const;
+  Seen mean_of(std::uint32_t rays_per_axis, std::uint32_t x, std::uint32_t y) const;
   bool is_blank(std::uint32_t x, std::uint32_t y) const {
     return blank_tiles_.view()[grid().tile_of(x, y)] == epoch_;
   }

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "gvx/render/depth.h"
 #include "gvx/render/frame.h"
 #include "gvx/render/gather.h"
 #include "gvx/render/ray_state.h"
@@ -63,33 +64,63 @@ class RayMarcher {
   GVX_HD PreviewPixel march_preview() const {
     PreviewPixel pixel;
     RayState state;
-    while (state.phase == RayPhase::under_way) {
-      Step step;
-      if (!next_step(state, step)) break;
-      Place place = descend(step, state);
-      const bool lacking = place.lacks();
-      if (place.kind != Place::transparent) {
-        ++pixel.wanted;
-        pixel.resident += lacking ? 0 : 1;
-      }
-      if (lacking) {
-        walk_.ask(place, 1 - state.opacity);
-        if (place.lack != 0) {
-          const std::uint32_t lack = place.lack_of(step.level);
-          pixel.worst_lack = lack > pixel.worst_lack ? lack : pixel.worst_lack;
-        }
-        walk_.ask_for_own(place);
-        if (place.lack != 0) place = walk_.stand_in(place);
-      }
-      Stretch<Voxel, M> stretch;
-      if (take(state, step, place, stretch)) gather_stretch(ray_view(), stretch, state);
+    Stretch<Voxel, M> stretch;
+    for (Passed passed; (passed = pass_shown(state, stretch, pixel)) != Passed::nothing;) {
+      if (passed == Passed::stretch) gather_stretch(ray_view(), stretch, state);
     }
     pixel.color = state.color;
     pixel.opacity = state.opacity;
     return pixel;
   }
 
+  /// The distance from the eye at which a preview of the ray comes to this opacity, or infinity. Of
+  /// isosurfaces that is the surface; of what is composited it lies within a step as if that were of one
+  /// matter. Not for projections.
+  GVX_HD double march_to(float opacity) const {
+    PreviewPixel ignored;
+    RayState state;
+    Stretch<Voxel, M> stretch;
+    while (true) {
+      const double tick = state.tick > first_tick_ ? state.tick : first_tick_;
+      const float before = state.opacity;
+      const Passed passed = pass_shown(state, stretch, ignored);
+      if (passed == Passed::nothing) return INFINITY;
+      if (passed == Passed::stretch) {
+        const double t = distance_in(ray_view(), stretch, state, opacity);
+        if (t < INFINITY) return t;
+      } else if (state.opacity >= opacity) {
+        return t_at(tick) + share_to(before, state.opacity, opacity) * (t_at(state.tick) - t_at(tick));
+      }
+    }
+  }
+
  private:
+  /// What a ray went through: nothing more, since it is finished; a stretch, which is to be gathered yet; or
+  /// what is transparent, constant or lacking.
+  enum class Passed { nothing, stretch, rest };
+
+  /// Moves a preview's ray behind the next node.
+  GVX_HD Passed pass_shown(RayState& state, Stretch<Voxel, M>& stretch, PreviewPixel& pixel) const {
+    Step step;
+    if (state.phase != RayPhase::under_way || !next_step(state, step)) return Passed::nothing;
+    Place place = descend(step, state);
+    const bool lacking = place.lacks();
+    if (place.kind != Place::transparent) {
+      ++pixel.wanted;
+      pixel.resident += lacking ? 0 : 1;
+    }
+    if (lacking) {
+      walk_.ask(place, 1 - state.opacity);
+      if (place.lack != 0) {
+        const std::uint32_t lack = place.lack_of(step.level);
+        pixel.worst_lack = lack > pixel.worst_lack ? lack : pixel.worst_lack;
+      }
+      walk_.ask_for_own(place);
+      if (place.lack != 0) place = walk_.stand_in(place);
+    }
+    return take(state, step, place, stretch) ? Passed::stretch : Passed::rest;
+  }
+
   /// The next step of a ray and how far steps of its level go on.
   struct Step {
     int level;

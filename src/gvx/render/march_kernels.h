@@ -101,9 +101,17 @@ PreviewPixel preview_ray(const Pass& pass, double x, double y) {
   });
 }
 
+template <typename Voxel>
+double distance_to(const Pass& pass, double x, double y, float opacity) {
+  return with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
+    return RayMarcher<Voxel, N, M>(view, x, y).march_to(opacity);
+  });
+}
+
 #define GVX_INSTANTIATE_MARCH(PREFIX, VOXEL)                                                                \
   PREFIX template void march_ray<VOXEL>(const Pass&, double, double, RayState&);                            \
   PREFIX template PreviewPixel preview_ray<VOXEL>(const Pass&, double, double);                             \
+  PREFIX template double distance_to<VOXEL>(const Pass&, double, double, float);                            \
   PREFIX template bool march_exact<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,                 \
                                           exec::BufferView<const std::uint32_t>, exec::Deadline,            \
                                           exec::BufferView<RayState>, exec::BufferView<std::uint32_t>);     \

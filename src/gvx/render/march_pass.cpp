@@ -66,6 +66,12 @@ void march_ray(const Pass& pass, double x, double y, RayState& state) {
                   [&](auto zero) { kernels::march_ray<decltype(zero)>(pass, x, y, state); });
 }
 
+double distance_to(const Pass& pass, double x, double y, float opacity) {
+  return with_voxel_type(pass.frame.format.type, [&](auto zero) {
+    return kernels::distance_to<decltype(zero)>(pass, x, y, opacity);
+  });
+}
+
 PreviewPixel preview_ray(const Pass& pass, double x, double y) {
   return with_voxel_type(pass.frame.format.type,
                          [&](auto zero) { return kernels::preview_ray<decltype(zero)>(pass, x, y); });

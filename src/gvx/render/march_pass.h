@@ -73,5 +73,8 @@ bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid 
 void march_ray(const Pass& pass, double x, double y, RayState& state);
 /// Ray (x, y) draws its preview by itself; on a CPU.
 PreviewPixel preview_ray(const Pass& pass, double x, double y);
+/// The distance from the eye, in the world, at which a preview of ray (x, y) comes to this opacity (march.h);
+/// infinity where it does not. Not for projections; on a CPU.
+double distance_to(const Pass& pass, double x, double y, float opacity);
 
 }  // namespace gvx::render
