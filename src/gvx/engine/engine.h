@@ -29,6 +29,7 @@
 
 namespace gvx::engine {
 
+/// How an engine works; the defaults suit most programs.
 struct EngineOptions {
   std::uint64_t memory_bytes = 512ull << 20;  ///< for bricks
   std::optional<PoolSizes> pools;             ///< in place of memory_bytes; for tests of tiny pools
@@ -53,11 +54,14 @@ using RayProgress = std::function<void(std::uint64_t finished, std::uint64_t all
 /// Renders pictures of one volume on one device, one at a time. Not thread-safe.
 class Engine {
  public:
+  /// An error if the program has no kernels for this device and type of voxels, or memory_bytes is too
+  /// little.
   static Result<std::unique_ptr<Engine>> create(const exec::Device& device,
                                                 std::shared_ptr<const produce::Producer> producer,
                                                 const EngineOptions& options);
 
-  /// Sets the view, or returns an error if the view is invalid. If the view changed, drops what was rendered.
+  /// Sets the view; call this first. An error if the view is invalid. If the view changed, what was rendered
+  /// is dropped.
   Status look(const render::View& asked);
 
   /// Renders until no ray lacks anything. The picture is the same for any cache size and number of threads.

@@ -26,7 +26,7 @@ struct Surplus {
   bool counted = true;  ///< if not, there are more
 };
 
-/// A volume that is read slice by slice.
+/// A volume that is read slice by slice. A slice has all voxels of one z.
 class SliceReader {
  public:
   virtual ~SliceReader() = default;

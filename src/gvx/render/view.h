@@ -17,6 +17,7 @@
 
 namespace gvx::render {
 
+/// A picture: its size, the camera, and how values are shown.
 struct View {
   std::uint32_t width = 1024, height = 1024;
   /// Rays along each axis of a pixel, 1 to 8. More rays are thinner cones, so they also use finer levels.

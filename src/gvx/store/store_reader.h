@@ -18,6 +18,7 @@
 
 namespace gvx::store {
 
+/// An open store.
 class StoreReader {
  public:
   /// Opens a store. Of version 3 this reads a few kilobytes, whatever the store's size: the header, the table

@@ -19,8 +19,8 @@
 
 namespace gvx::store {
 
-/// Not thread-safe: the caller decides the order of the bytes. If it is destroyed before finish(), it removes
-/// the file.
+/// Writes one store. Not thread-safe: the caller decides the order of the bytes. If it is destroyed before
+/// finish(), it removes the file.
 class StoreWriter {
  public:
   /// Bytes that are written at once. Memory holds twice as many.
