@@ -1,5 +1,6 @@
 /// \file
-/// Affine3: a 3x4 matrix that places one space in another, in double precision.
+/// Affine3: an affine map from one space to another, such as from voxels to the world. A 3x4 matrix of
+/// doubles.
 #pragma once
 
 #include <cmath>
@@ -16,7 +17,7 @@ struct Affine3 {
 
   GVX_HD Vec3d point(Vec3d p) const { return vector(p) + origin; }
   GVX_HD Vec3d vector(Vec3d v) const { return v.x * column[0] + v.y * column[1] + v.z * column[2]; }
-  /// The transposed linear part times v: takes a gradient in the target space to the source space.
+  /// The transposed linear part times v. Maps a gradient in the target space to the source space.
   GVX_HD Vec3d transposed_vector(Vec3d v) const {
     return {dot(column[0], v), dot(column[1], v), dot(column[2], v)};
   }
@@ -24,13 +25,13 @@ struct Affine3 {
   constexpr bool operator==(const Affine3&) const = default;
 };
 
-/// The signed volume of the unit cube's image; zero means that there is no inverse.
+/// The signed volume of the unit cube's image. If it is zero, there is no inverse.
 inline double determinant(const Affine3& a) {
   return dot(a.column[0], cross(a.column[1], a.column[2]));
 }
 
-/// An error where the map has no sound inverse, or stretches one axis more than a million times as much as
-/// another: a volume placed so would be invisible, or take a ray for ever to cross.
+/// An error if the map has no usable inverse, or stretches one axis more than a million times as much as
+/// another. Such a volume would be invisible, or a ray would never reach its end.
 inline Status check_placement(const Affine3& a) {
   double least = INFINITY, most = 0;
   for (const Vec3d& column : a.column) {
@@ -44,12 +45,12 @@ inline Status check_placement(const Affine3& a) {
   return {};
 }
 
-/// a after b: p goes to a.point(b.point(p)).
+/// First b, then a: maps p to a.point(b.point(p)).
 inline Affine3 operator*(const Affine3& a, const Affine3& b) {
   return {{a.vector(b.column[0]), a.vector(b.column[1]), a.vector(b.column[2])}, a.point(b.origin)};
 }
 
-/// Needs a determinant other than zero.
+/// The inverse map. The determinant must not be zero.
 inline Affine3 inverse(const Affine3& a) {
   const double d = determinant(a);
   GVX_CHECK(d != 0);
@@ -61,7 +62,7 @@ inline Affine3 inverse(const Affine3& a) {
   return inverted;
 }
 
-/// Scales the axes of the source space: p goes to p*s.
+/// Scales each axis: maps p to p*s.
 inline Affine3 scaling(Vec3d s) {
   return {{{s.x, 0, 0}, {0, s.y, 0}, {0, 0, s.z}}, {}};
 }

@@ -1,5 +1,6 @@
 /// \file
-/// NodeKey: the name of a node of an N3-tree, independent of where (and whether) it is in memory.
+/// NodeKey: names a node of an N3-tree, a tree in which each node has N*N*N children (N is 2 or 3). The node
+/// need not be in memory.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +12,12 @@
 
 namespace gvx {
 
-/// Levels that a tree may have: 3^40 nodes across are as many as NodeKey can name.
+/// The most levels of a tree. With N = 3 the finest then has 3^40 nodes along each axis; 64 bits hold no
+/// more.
 inline constexpr int kMaxLevels = 41;
 
-/// Node (x, y, z) of the N^level nodes along each axis of `level`; the root is {0, 0, 0, 0}. 64 bits an axis
-/// (the GPU Pro text, 3.6.6, packs its localization code into 10 bits an axis).
+/// The node at (x, y, z) of a level, which has N^level nodes along each axis. The root is {0, 0, 0, 0}. Each
+/// axis has 64 bits (the localization code of the GPU Pro text, 3.6.6, has 10).
 struct NodeKey {
   std::uint32_t level = 0;
   std::uint64_t x = 0, y = 0, z = 0;
@@ -23,7 +25,7 @@ struct NodeKey {
   constexpr bool operator==(const NodeKey&) const = default;
 };
 
-/// Child `index` of N^3, x fastest: index = cx + N*(cy + N*cz).
+/// One of the N^3 children, x fastest: index = cx + N*(cy + N*cz).
 GVX_HD inline NodeKey child(const NodeKey& parent, int n, int index) {
   const auto nn = static_cast<std::uint64_t>(n);
   const auto i = static_cast<std::uint64_t>(index);
@@ -31,18 +33,18 @@ GVX_HD inline NodeKey child(const NodeKey& parent, int n, int index) {
           parent.z * nn + i / (nn * nn)};
 }
 
-/// The node of the level above that contains this one; not for the root.
+/// The node of the next coarser level that contains this one. The root has none.
 GVX_HD inline NodeKey parent(const NodeKey& key, int n) {
   const auto nn = static_cast<std::uint64_t>(n);
   return {key.level - 1, key.x / nn, key.y / nn, key.z / nn};
 }
 
-/// The low corner of a node in nodes of its level; exact up to 2^53.
+/// The low corner of a node, in nodes of its level. Exact up to 2^53.
 GVX_HD inline Vec3d corner(const NodeKey& key) {
   return {static_cast<double>(key.x), static_cast<double>(key.y), static_cast<double>(key.z)};
 }
 
-/// N^level, the number of nodes along an axis; exact up to 2^53.
+/// N^level, the number of nodes along an axis. Exact up to 2^53.
 GVX_HD inline double nodes_across(int n, std::uint32_t level) {
   double across = 1;
   for (std::uint32_t i = 0; i < level; ++i) across *= n;

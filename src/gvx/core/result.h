@@ -1,6 +1,7 @@
 /// \file
-/// Result<T>: a value, or an Error that says in one line what went wrong. Whatever the outside world can
-/// cause (files, networks, arguments, missing devices) is returned this way; broken invariants are GVX_CHECK.
+/// Result<T>: a value, or an Error that says in one line what went wrong. Functions return it if files,
+/// networks, arguments or missing devices can make them fail. GVX_CHECK is for mistakes in the program
+/// itself.
 #pragma once
 
 #include <optional>
@@ -12,12 +13,13 @@
 
 namespace gvx {
 
-/// One line for a person: it names the file or argument, the field, and what was expected.
+/// One line for a person: the file or argument, the field, and what was expected.
 struct Error {
   std::string message;
 };
 
-/// A T or an Error. value() and error() check that they are there.
+/// A T or an Error. value() ends the program if there is an error, and error() if there is a value: ask ok()
+/// first.
 template <typename T>
 class [[nodiscard]] Result {
  public:
@@ -42,7 +44,7 @@ class [[nodiscard]] Result {
   std::variant<T, Error> state_;
 };
 
-/// Success, or an Error.
+/// Success or an Error.
 template <>
 class [[nodiscard]] Result<void> {
  public:
@@ -67,7 +69,7 @@ using Status = Result<void>;
 #define GVX_CONCAT_INNER(a, b) a##b
 #define GVX_CONCAT(a, b) GVX_CONCAT_INNER(a, b)
 
-/// Returns the error of a Status-valued expression to the caller, if it has one.
+/// Evaluates a Status. If it is an error, returns it from the calling function.
 #define GVX_TRY(expression)                                 \
   do {                                                      \
     if (auto gvx_status = (expression); !gvx_status.ok()) { \
@@ -75,7 +77,8 @@ using Status = Result<void>;
     }                                                       \
   } while (false)
 
-/// Declares `declaration` with the value of a Result-valued expression, or returns its error to the caller.
+/// Evaluates a Result. Declares `declaration` with its value; if it is an error, returns it from the calling
+/// function.
 #define GVX_ASSIGN(declaration, expression) \
   GVX_ASSIGN_IMPL(GVX_CONCAT(gvx_result_, __LINE__), declaration, expression)
 #define GVX_ASSIGN_IMPL(result, declaration, expression) \

@@ -1,5 +1,5 @@
 /// \file
-/// Vectors of three numbers: Vec3f and Vec3d for space and colour, Vec3i and Vec3u for voxels and nodes.
+/// Vectors of three numbers: Vec3f and Vec3d for positions and colours, Vec3i and Vec3u for voxels and nodes.
 #pragma once
 
 #include <cmath>
@@ -19,7 +19,7 @@ struct Vec3 {
   template <typename U>
   GVX_HD constexpr explicit Vec3(const Vec3<U>& v) : x(T(v.x)), y(T(v.y)), z(T(v.z)) {}
 
-  /// Axis 0, 1 or 2.
+  /// The component of axis 0, 1 or 2.
   GVX_HD constexpr T operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
   GVX_HD constexpr T& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
 
@@ -77,7 +77,7 @@ template <typename T>
 GVX_HD T length(Vec3<T> a) {
   return std::sqrt(dot(a, a));
 }
-/// Unit length; the zero vector gives NaNs.
+/// The vector with length 1. For the zero vector: NaNs.
 template <typename T>
 GVX_HD Vec3<T> normalize(Vec3<T> a) {
   return a / length(a);

@@ -1,19 +1,20 @@
 /// \file
-/// What voxels are: their type, what their planes mean, the value ranges of a set of them, and the bytes of a
-/// brick of them.
+/// Voxels: their type, what their numbers mean, ranges of their values, and the bytes of a brick, a cube of
+/// m^3 voxels.
 ///
-/// A voxel is one or more numbers of one type; each stands in a *plane* of its own. A brick in memory and,
-/// before it is compressed, in a store:
+/// A voxel consists of one or more numbers of the same type. Each of these numbers is in an array of its own,
+/// a *plane*. A brick in memory, and before compression in a store, is:
 ///
 ///     plane 0: (m+4)^3 numbers, x fastest | plane 1 ... | deviations of plane 0 | deviations of plane 1 ...
 ///
-/// *Deviations* (of scalars only) say how far the finest voxels below a coarse one are from their mean: the
-/// standard deviation, at half the resolution, with a border of one. They are 0 in the finest bricks.
+/// *Deviations* (only of scalars) say how much the finest voxels below a coarse voxel differ from their mean.
+/// They are standard deviations, at half the resolution, with a border of one. In the finest bricks they are
+/// 0.
 ///
 ///     float unit | (m/2+2)^3 bytes c, x fastest; the deviation is unit * deviation_of_code(c)
 ///
-/// Codes are small floating-point numbers and units powers of two, so that two bricks round a deviation to
-/// the same number whatever else they hold, but for a few units: no seam shows between them.
+/// Codes are small floating-point numbers, and units are powers of two. So neighbouring bricks round equal
+/// deviations to equal numbers, or nearly so, and no seam is visible between them.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +24,7 @@
 
 namespace gvx {
 
-/// The numbers are those of the .gvx file.
+/// The type of a voxel's numbers. The values are those in the .gvx file.
 enum class VoxelType : std::uint32_t { u8 = 1, u16 = 2, f32 = 3 };
 
 inline std::size_t voxel_bytes(VoxelType type) {
@@ -34,7 +35,7 @@ inline const char* voxel_name(VoxelType type) {
   return type == VoxelType::u8 ? "u8" : type == VoxelType::u16 ? "u16" : "f32";
 }
 
-/// Calls function(T{}) with the C++ type of the voxel type.
+/// Calls function(T{}), where T is the C++ type for this voxel type.
 template <typename Function>
 decltype(auto) with_voxel_type(VoxelType type, Function&& function) {
   switch (type) {
@@ -48,7 +49,7 @@ decltype(auto) with_voxel_type(VoxelType type, Function&& function) {
   return function(float{});
 }
 
-/// The least and the greatest of some stored values; holds everything between them.
+/// A range of stored values, from the least to the greatest.
 struct ValueRange {
   float minimum = 0;
   float maximum = 0;
@@ -62,12 +63,12 @@ struct ValueRange {
   constexpr bool operator==(const ValueRange&) const = default;
 };
 
-/// What the planes of a voxel mean. The numbers are those of the .gvx file.
+/// What the planes of a voxel mean. The values are those in the .gvx file.
 enum class VoxelContent : std::uint32_t {
   scalar = 0,       ///< one to four channels, each with a transfer function of its own
-  labels = 1,       ///< one number that names a class: never averaged, never blended
-  color = 2,        ///< display red, green, blue, multiplied by the opacity; opacity of a voxel's thickness
-  color_normal = 3  ///< as color, and a unit normal multiplied by the opacity; -1 to 1 are 0 to 254
+  labels = 1,       ///< one number that names a class; never averaged, never blended
+  color = 2,        ///< displayed red, green, blue times opacity; opacity of matter one voxel thick
+  color_normal = 3  ///< as color; then a unit normal times opacity, where -1 to 1 are stored as 0 to 254
 };
 
 /// The most channels of a scalar volume.
@@ -78,10 +79,10 @@ struct VoxelFormat {
   VoxelContent content = VoxelContent::scalar;
   std::uint32_t planes = 1;
 
-  /// How many value ranges tell what can be seen of a node: one a channel, else one.
+  /// How many value ranges a node has: scalars one for each channel, others one.
   GVX_HD std::uint32_t channels() const { return content == VoxelContent::scalar ? planes : 1; }
   GVX_HD bool has_deviations() const { return content == VoxelContent::scalar; }
-  /// Is it a combination that stores and renderers know?
+  /// Do stores and renderers support this combination?
   bool valid() const {
     switch (content) {
       case VoxelContent::scalar:
@@ -103,16 +104,16 @@ inline const char* content_name(VoxelContent content) {
   return kNames[static_cast<std::uint32_t>(content)];
 }
 
-/// Voxels around a brick in memory, on each side: one for trilinear samples, two for the four texels along an
-/// axis that a cubic B-spline takes.
+/// Width of the border of a brick in memory, in voxels on each side. Trilinear samples need one voxel. Two
+/// are needed by a cubic B-spline, which takes four texels along each axis.
 inline constexpr int kBrickBorder = 2;
 
-/// Numbers of one plane of a brick with so wide a border.
+/// Numbers of one plane of a brick with this border.
 GVX_HD constexpr std::size_t plane_texels(std::size_t m, std::size_t border = kBrickBorder) {
   const std::size_t edge = m + 2 * border;
   return edge * edge * edge;
 }
-/// What a code means, in units: 0, or four bits of exponent and four of mantissa.
+/// The deviation of a code, in units: 0, or a number of four bits of exponent and four of mantissa.
 GVX_HD constexpr float deviation_of_code(std::uint32_t code) {
   return code == 0 ? 0.0f : static_cast<float>((16 + (code & 15)) << (code >> 4)) * (1.0f / 16);
 }
@@ -127,12 +128,12 @@ inline std::size_t brick_bytes(VoxelFormat format, std::size_t m, std::size_t bo
                           (format.has_deviations() ? deviation_bytes(m) : 0));
 }
 
-/// The ranges of a node's channels; those of channels that are not there are 0 to 0.
+/// The value ranges of a node's channels. Unused channels have the range 0 to 0.
 struct ChannelRanges {
   ValueRange channel[kMaxChannels];
 
   ChannelRanges() = default;
-  /// Of a single channel.
+  /// For a single channel.
   GVX_HD ChannelRanges(ValueRange range) { channel[0] = range; }  // NOLINT(google-explicit-constructor)
 
   GVX_HD bool constant() const {
@@ -151,7 +152,7 @@ struct ChannelRanges {
     }
     return all;
   }
-  /// Each channel at its minimum: of a constant node, its values.
+  /// Each channel reduced to its minimum. For a constant node: its values.
   GVX_HD ChannelRanges at_minimum() const {
     ChannelRanges result;
     for (std::uint32_t c = 0; c < kMaxChannels; ++c)

@@ -1,7 +1,9 @@
 /// \file
-/// Engine: the loop that ties the house together. Rays render and mark; marks become jobs; producers make
-/// bricks; room is found; nodes are linked; and again, until no ray lacks anything (exact) or the time is
-/// over (budget).
+/// Engine: renders a volume that may be larger than memory. The volume is a tree of nodes; each node has a
+/// brick, a small cube of voxels. Rays march through the bricks in memory, and mark those that they lack. A
+/// producer reads or computes the marked bricks. They take the place of bricks that were not used for the
+/// longest time. Then the rays go on. An exact picture ends when no ray lacks anything, a frame with a budget
+/// when its time is over.
 #pragma once
 
 #include <chrono>
@@ -28,46 +30,51 @@
 
 namespace gvx::engine {
 
+/// How an engine works; the defaults suit most programs.
 struct EngineOptions {
-  std::uint64_t memory_bytes = 512ull << 20;  ///< of the brick pool
-  std::optional<PoolSizes> pools;             ///< instead of memory_bytes: for tests of tiny pools
-  /// On a CPU: the plain march, which says what a picture is, even where vectors of rays are faster.
+  std::uint64_t memory_bytes = 512ull << 20;  ///< for bricks
+  std::optional<PoolSizes> pools;             ///< in place of memory_bytes; for tests of tiny pools
+  /// On a CPU: marches one ray at a time, not vectors of rays. This is slower. It defines what a picture is.
   bool one_ray_at_a_time = false;
-  /// Frames of a budget make what a moving camera will need soon, when nothing that it sees is waited for.
+  /// In frames with a budget: while no visible brick is missing, make bricks that a moving camera will need.
   bool prefetch = true;
-  /// Frames of a budget show coarser levels of a moving camera's view while they do not come to an end.
+  /// In frames with a budget: show coarser levels while the camera moves and frames take longer than their
+  /// budget.
   bool adapt_levels = true;
-  /// What rays are cut by where pictures are composited or of isosurfaces: it must hold all that is seen.
+  /// A closed mesh around all that can be seen: rays march only within it. Applies to the modes composite and
+  /// isosurface.
   std::shared_ptr<const produce::Proxy> proxy = {};
   /// Is called with one line where something is wrong that is no error, during a call of the engine and on
   /// its caller's thread: once, where the first brick holds values beyond its node's bounds.
   std::function<void(const std::string&)> warn = {};
 };
 
-/// Where frames find a tree.
+/// The tree's shape, its place in the world and its values' ranges, for frames.
 render::TreePlacement placement_of(const produce::TreeDescription& tree);
 
-/// Called with how many of a picture's rays are finished.
+/// Called with the number of the picture's rays that are finished, and of all its rays.
 using RayProgress = std::function<void(std::uint64_t finished, std::uint64_t all)>;
 
-/// One volume, one device, one picture at a time. Not thread-safe.
+/// Renders pictures of one volume on one device, one at a time. Not thread-safe.
 class Engine {
  public:
+  /// An error if the program has no kernels for this device and type of voxels, or memory_bytes is too
+  /// little.
   static Result<std::unique_ptr<Engine>> create(const exec::Device& device,
                                                 std::shared_ptr<const produce::Producer> producer,
                                                 const EngineOptions& options);
 
-  /// Says what to look at; an error where the view cannot be made. What was rendered is dropped if anything
-  /// changed.
+  /// Sets the view; call this first. An error if the view is invalid. If the view changed, what was rendered
+  /// is dropped.
   Status look(const render::View& asked);
 
-  /// Renders until no ray lacks anything. The picture is the same for every cache size and number of threads.
-  /// `progress` is called from this thread, some times a second.
+  /// Renders until no ray lacks anything. The picture is the same for any cache size and number of threads.
+  /// `progress` is called from this thread, a few times a second.
   Status render_exact(const RayProgress& progress = {});
 
-  /// Renders for this long: first a preview of what is resident, coarse blocks of pixels first, then exact
-  /// rays; what producers finish meanwhile is taken in. Called again without a change of view it goes on,
-  /// until the picture is the exact one.
+  /// Renders for about this long. A preview of the bricks in memory comes first, in blocks of pixels that
+  /// become finer; exact rays follow. Bricks that producers finish meanwhile are used. Further calls with the
+  /// same view go on, until the picture is exact.
   Status render_for(std::chrono::nanoseconds budget);
 
   /// Is the picture the exact one?
@@ -79,7 +86,7 @@ class Engine {
   /// of what lies behind, or the isosurface; measured along the view, as depth buffers are, not along the
   /// ray. It is found by marching these rays once more, one by one.
   Status picture(const render::PictureTarget& target);
-  /// Of the last call of render_exact or render_for. Reads all pixels.
+  /// What the last call of render_exact() or render_for() did. Not cheap: it reads all pixels.
   Statistics statistics() const;
   const produce::TreeDescription& tree() const { return producer_->description(); }
   /// For tests.

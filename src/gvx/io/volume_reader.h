@@ -1,7 +1,7 @@
 /// \file
-/// VolumeReader: other people's volumes, slice by slice, in native byte order; and open_volume, which knows
-/// the formats by their names. Memory is bounded whatever the volume's size: samples go straight to the
-/// caller.
+/// open_volume: opens a volume file of another program. The format is known by the file's name. VolumeReader:
+/// reads it slice by slice, in native byte order. Samples go directly to the caller's memory, so volumes may
+/// be larger than memory.
 #pragma once
 
 #include <cstddef>
@@ -19,42 +19,42 @@
 
 namespace gvx::io {
 
-/// What a file holds behind its last sample.
+/// Bytes of a file behind its last sample.
 struct Surplus {
   std::string path;
   std::uint64_t bytes = 0;
-  bool counted = true;  ///< otherwise there are more
+  bool counted = true;  ///< if not, there are more
 };
 
-/// A volume that is read slice by slice.
+/// A volume that is read slice by slice. A slice has all voxels of one z.
 class SliceReader {
  public:
   virtual ~SliceReader() = default;
 
   virtual const VolumeDescription& description() const = 0;
 
-  /// Writes the next `count` slices, x fastest, in native byte order. `out` holds exactly count*slice_bytes
-  /// bytes, and as many slices must be left. An error where the data end early or are broken; after one, only
-  /// rewind() helps.
+  /// Reads the next `count` slices into `out`, x fastest, in native byte order. `out` has count*slice_bytes
+  /// bytes. There must be that many slices left. An error if the data end early or are damaged. After an
+  /// error, call rewind() before reading on.
   virtual Status read_slices(std::int64_t count, std::span<std::byte> out) = 0;
 
-  /// The slice that read_slices() reads next.
+  /// The number of the slice that read_slices() reads next.
   virtual std::int64_t next_slice() const = 0;
 
-  /// Goes back to slice 0; an error for pipes.
+  /// Goes back to slice 0. An error for pipes.
   virtual Status rewind() = 0;
   virtual bool can_rewind() const = 0;
 
-  /// To be called after the last slice: the files that hold more than the volume, and more than a line end.
-  /// No more than the first MiB of a pipe or packed file is counted.
+  /// The files that hold more bytes than the volume, apart from a line end. Call it after the last slice. In
+  /// a pipe or a compressed file, at most one MiB is counted.
   virtual std::vector<Surplus> surplus() { return {}; }
 };
 
 /// Reads the z-slices of one volume in order.
 class VolumeReader final : public SliceReader {
  public:
-  /// Fails where check_description() does, a data file is not there, or its size shows that it is too short
-  /// (or longer than exact_size allows); of packed data that shows only while reading.
+  /// An error if check_description() finds one, or if a data file is missing, too short, or longer than
+  /// exact_size allows. The length of compressed data is known only when they are read.
   static Result<std::unique_ptr<VolumeReader>> open(VolumeFile file);
 
   const VolumeDescription& description() const override { return file_.description; }
@@ -85,13 +85,14 @@ class VolumeReader final : public SliceReader {
   std::vector<std::byte> behind_;  // decoded bytes that were read behind the last sample
 };
 
-/// Opens .nrrd, .nhdr, .nii, .hdr/.img, .mha and .mhd (NIfTI also with .gz), and raw samples: .raw, .bin and
-/// .dat (also with .gz or .bz2), any other name when `options.raw` gives the dimensions, and "-" for standard
-/// input. The spacing in `options.raw` replaces that of any format; its other options are an error for files
-/// that describe themselves, as are options that the format does not take.
+/// Opens a volume file: .nrrd, .nhdr, .nii, .hdr/.img, .mha, .mhd, or raw samples. NIfTI may end in .gz. Raw
+/// samples are .raw, .bin or .dat, also with .gz or .bz2; any other name if `options.raw` gives the
+/// dimensions; and "-" for standard input. The spacing in `options.raw` replaces that of any format. Its
+/// other options are an error for files with a header, and so are options that the format does not have.
 Result<std::unique_ptr<SliceReader>> open_volume(const std::string& path, const VolumeOptions& options);
 
-/// The files that open_volume() would read, as far as the header says; `path` alone where it cannot be read.
+/// The files that open_volume() would read, according to the header. If the header cannot be read: only
+/// `path`.
 std::vector<std::string> volume_files(const std::string& path, const VolumeOptions& options);
 
 }  // namespace gvx::io

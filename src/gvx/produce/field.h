@@ -1,6 +1,6 @@
 /// \file
-/// Field: a scalar that has a value everywhere, such as a density or the distance to a surface. Fields are
-/// made of fields (produce/hypertexture.h); FieldProducer makes bricks of one.
+/// Field: a scalar that has a value at every point, such as a density or the distance to a surface. Fields
+/// can be built on other fields (produce/hypertexture.h). FieldProducer makes bricks of a field.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace gvx::produce {
 
-/// Cubic voxels in tree space: that of (x, y, z) has its centre at first + spacing * (x, y, z).
+/// A cube of cubic voxels in tree space. The centre of voxel (x, y, z) is first + spacing * (x, y, z).
 struct VoxelBlock {
   Vec3d first;
   double spacing = 1;
@@ -25,20 +25,20 @@ struct VoxelBlock {
   }
 };
 
-/// In tree space, the cube [0, 1]^3. All calls are thread-safe.
+/// A scalar field in tree space, the cube [0, 1]^3. All functions are called from several threads at once.
 class Field {
  public:
   virtual ~Field() = default;
 
-  /// The values of a block's voxels, x fastest: as coarse as voxels of this width need.
+  /// The values of a block's voxels, x fastest. Detail finer than these voxels should be left out.
   virtual void sample(const VoxelBlock& block, std::span<float> values) const = 0;
 
-  /// The oracle: holds every value that sample() gives in the box, whose voxels may be as wide as
-  /// `coarsest_spacing` or finer.
+  /// The oracle: bounds every value that sample() returns in the box, for voxels of `coarsest_spacing` or any
+  /// finer spacing.
   virtual ValueRange bounds(const Box3d& box, double coarsest_spacing) const = 0;
 };
 
-/// Calls function(centre of the first voxel, row of values) for each row of a block along x.
+/// Calls function(centre of the row's first voxel, values of the row) for each row of a block along x.
 template <typename Function>
 void for_each_row(const VoxelBlock& block, std::span<float> values, Function function) {
   std::size_t i = 0;
@@ -49,7 +49,7 @@ void for_each_row(const VoxelBlock& block, std::span<float> values, Function fun
   }
 }
 
-/// Calls values[i] = function(centre) for all voxels of a block.
+/// Sets values[i] = function(centre) for all voxels of a block.
 template <typename Function>
 void sample_each(const VoxelBlock& block, std::span<float> values, Function function) {
   std::size_t i = 0;
@@ -60,11 +60,11 @@ void sample_each(const VoxelBlock& block, std::span<float> values, Function func
   }
 }
 
-/// A field in closed form: what tests compare pictures with.
+/// A field that is given as two functions.
 class FunctionField final : public Field {
  public:
   using Values = std::function<float(Vec3d)>;
-  /// Must hold every value in the box.
+  /// Bounds that hold every value in the box.
   using Bounds = std::function<ValueRange(const Box3d&)>;
 
   FunctionField(Values values, Bounds bounds) : values_(std::move(values)), bounds_(std::move(bounds)) {}

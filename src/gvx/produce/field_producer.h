@@ -1,5 +1,5 @@
 /// \file
-/// FieldProducer: a scalar field, sampled at voxel centres where rays ask.
+/// FieldProducer: makes bricks of a field, which it samples at the centres of voxels.
 #pragma once
 
 #include <memory>
@@ -11,12 +11,13 @@ namespace gvx::produce {
 
 class FieldProducer final : public Producer {
  public:
-  /// `description` gives n, m, max_level, placement, the voxels' type, and scale and offset: stored values
-  /// are (value - offset) / scale, rounded and held to what the type holds. Its ranges become those of the
-  /// whole cube.
+  /// `description` gives n, m, max_level, the place in the world, the type of voxels, scale and offset.
+  /// Stored values are (value - offset) / scale, rounded and clamped to the type. The description's ranges
+  /// are set to the bounds of the whole cube.
   FieldProducer(TreeDescription description, std::shared_ptr<const Field> field);
 
-  /// f32 voxels of values(p), p in tree space; `bounds(box)` must hold every value in the box.
+  /// The same for f32 voxels of a function: values(p), with p in tree space. `bounds(box)` must hold every
+  /// value in the box.
   FieldProducer(TreeDescription description, FunctionField::Values values, FunctionField::Bounds bounds);
 
   const TreeDescription& description() const override { return description_; }

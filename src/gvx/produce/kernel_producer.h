@@ -1,6 +1,6 @@
 /// \file
-/// KernelProducer: bricks and bounds made by kernels, on a GPU or on a CPU's threads (the GPU producers of
-/// the 2008 report). For device sources only.
+/// KernelProducer: makes bricks and bounds with kernels, on a GPU or on the threads of a CPU (the GPU
+/// producers of the 2008 report). Only for source files that are compiled as CUDA where there is a GPU.
 #pragma once
 
 #include <cstring>
@@ -16,7 +16,7 @@
 
 namespace gvx::produce {
 
-/// The voxels of a batch's bricks.
+/// Kernel: computes the voxels of a batch of bricks.
 template <typename Voxel, typename Kernel>
 struct FillBricks {
   Kernel kernel;
@@ -35,13 +35,13 @@ struct FillBricks {
   }
 };
 
-/// Which bricks have more than one value.
+/// Kernel: finds the bricks that have more than one value.
 template <typename Voxel>
 struct FindChanges {
   std::size_t texels;
   const std::byte* bytes;
   std::size_t brick_bytes;
-  exec::BufferView<std::uint32_t> changes;  ///< 1 for those
+  exec::BufferView<std::uint32_t> changes;  ///< set to 1 for these bricks
 
   GVX_HD void operator()(std::size_t i) const {
     const std::size_t brick = i / texels;
@@ -50,7 +50,7 @@ struct FindChanges {
   }
 };
 
-/// What bounds a node.
+/// Kernel: bounds the values of nodes.
 template <typename Kernel>
 struct BoundNodes {
   Kernel kernel;
@@ -64,17 +64,18 @@ struct BoundNodes {
   }
 };
 
-/// Kernel: a trivially copyable functor over views, with
+/// `Kernel` is a trivially copyable functor over views, with
 ///
 ///     GVX_HD float value(Vec3d centre, double spacing) const;  // of a voxel in tree space
 ///     GVX_HD ValueRange bounds(const Box3d& box, double coarsest_spacing) const;  // as Field::bounds
 ///
-/// Bricks are made in batches, in the device's memory, and found there to be constant or not: they go to the
-/// brick pool without coming to the host.
+/// Bricks are made in batches in the device's memory. Kernels also find the constant ones there. So bricks
+/// get to the brick pool without a copy on the host.
 template <typename Kernel>
 class KernelProducer final : public Producer {
  public:
-  /// As FieldProducer's; `owner` keeps what the kernel's views show.
+  /// `description` is that of FieldProducer. `owner` keeps the memory alive to which the kernel's views
+  /// point.
   KernelProducer(const exec::Device& device, TreeDescription description, const Kernel& kernel,
                  std::shared_ptr<const void> owner)
       : device_(device), description_(std::move(description)), kernel_(kernel), owner_(std::move(owner)) {
@@ -107,8 +108,8 @@ class KernelProducer final : public Producer {
     return {};
   }
 
-  /// Of bricks of 16 some 370,000 voxels: somewhat more than a large GPU runs threads at once (132 times
-  /// 2048).
+  /// 64 bricks with m = 16 have about 500,000 voxels, twice the threads that a large GPU runs at once (132
+  /// times 2048).
   Batching batching() const override { return {64, device_}; }
 
   Status produce_batch(const BrickBatch& batch) const override {

@@ -1,7 +1,8 @@
 /// \file
-/// Producer: where bricks come from. A producer is asked by NodeKey and never sees a ray. Beside making
-/// voxels it is the oracle of the 2008 report: it bounds a node's values before anything is made, so that
-/// what cannot be seen is never asked for.
+/// Producer: provides the bricks of a volume. A brick is a small cube of voxels, the content of a node; the
+/// nodes form a tree, in which children are finer than their parent. A producer makes the brick of a NodeKey.
+/// It is also the oracle of the 2008 report: it bounds a node's values before its brick is made, so that
+/// invisible bricks are never made. docs/write-a-producer.md is a tutorial.
 #pragma once
 
 #include <cstddef>
@@ -20,12 +21,12 @@
 
 namespace gvx::produce {
 
-/// The tree that a producer fills, and where it stands in the world. *Tree space* is the cube [0, 1]^3 of the
-/// root.
+/// The shape of a producer's tree, its voxels, and its place in the world. *Tree space* is the cube [0, 1]^3
+/// of the root.
 struct TreeDescription {
   std::uint32_t n = 2;          ///< children along an axis of a node: 2 or 3
   std::uint32_t m = 16;         ///< voxels along an axis of a brick, border not counted: 8, 16 or 32
-  std::uint32_t max_level = 0;  ///< of the finest nodes
+  std::uint32_t max_level = 0;  ///< level of the finest nodes; the root has level 0
   VoxelFormat format;
   Affine3 tree_to_world;
   Box3d extent{{0, 0, 0}, {1, 1, 1}};  ///< the part of tree space that holds the volume
@@ -34,16 +35,16 @@ struct TreeDescription {
   ChannelRanges ranges;                ///< of all stored values
   float beyond_ranges = 0;             ///< how far voxels that are made may lie outside of these
   bool no_data = false;                ///< f32 voxels may be NaN: no data, which is transparent
-  /// Of each channel's voxels, equal bins over its range; may be empty.
+  /// For each channel: counts of voxels in equal bins over its range. May be empty.
   std::vector<std::vector<std::uint64_t>> histograms;
-  /// describe() tells the true ranges: no node is found to be constant only when its brick is made.
+  /// describe() returns exact ranges. If not, the engine looks for finest bricks that are constant after all.
   bool exact_ranges = false;
-  std::uint64_t bricks = 0;  ///< as many bricks as there can be, 0 for no bound: bounds the brick pool
+  std::uint64_t bricks = 0;  ///< the most bricks that there can be, or 0 if unknown: limits the memory
 
   std::size_t brick_bytes() const { return gvx::brick_bytes(format, m); }
 };
 
-/// How long threads have been at parts of production, all of them together.
+/// How long parts of production took, summed over all threads.
 struct ProductionTimes {
   double reading_milliseconds = 0, decoding_milliseconds = 0;
 };
@@ -51,40 +52,40 @@ struct ProductionTimes {
 /// Bricks that are made together.
 struct BrickBatch {
   std::span<const NodeKey> keys;
-  /// Of as many bricks, one after the other, filled with zeros.
+  /// The bricks' bytes, one brick after the other, filled with zeros.
   std::span<std::byte> voxels;
-  /// For each: a producer that knows says here what value all its voxels have.
+  /// For each brick: its value, if the producer knows that all voxels have the same.
   std::span<std::optional<ChannelRanges>> constants;
 };
 
-/// How a producer likes its batches.
+/// How a producer wants its batches.
 struct Batching {
-  std::size_t most = 1;  ///< bricks in one, and nodes whose children are described
-  std::optional<exec::Device> device =
-      {};  ///< in whose memory the voxels are; the host's, where none is named
+  std::size_t most = 1;  ///< bricks at once; also nodes whose children are described at once
+  std::optional<exec::Device> device = {};  ///< whose memory holds the voxels; none: the host's
 };
 
-/// All calls are thread-safe and are made from several threads at once.
+/// All functions are called from several threads at once.
 class Producer {
  public:
   virtual ~Producer() = default;
 
   virtual const TreeDescription& description() const = 0;
 
-  /// The node whose content and sub-tree this node shares; itself in a tree without repetition. Must be a
-  /// fixed point: canonical(canonical(key)) == canonical(key). Only canonical nodes are described below and
+  /// For trees with parts that repeat: of all nodes with the same content and sub-tree, the one that stands
+  /// for them. canonical(canonical(key)) must equal canonical(key). Only canonical nodes are described and
   /// produced.
   virtual NodeKey canonical(const NodeKey& key) const { return key; }
 
-  /// The oracle: bounds each node's values and those of a rim of n voxels around it, conservatively. Ranges
-  /// of one value say that the node is constant.
+  /// The oracle: bounds the values of each node, of all nodes below it, and of a rim of n voxels around it.
+  /// Bounds that are too narrow cut holes into pictures; bounds that are too wide cost time. Bounds of a
+  /// single value: the node is constant.
   virtual Status describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const = 0;
 
-  /// Fills the brick of a node as core/voxel.h lays it out. `voxels` comes filled with zeros: a producer that
-  /// knows no deviations leaves them so.
+  /// Fills the brick of a node; core/voxel.h draws its bytes. `voxels` is filled with zeros before. A
+  /// producer that knows no deviations leaves these as they are.
   virtual Status produce(const NodeKey& key, std::span<std::byte> voxels) const = 0;
 
-  /// The same for many nodes at once, all or none; voxels are where batching() wants them.
+  /// The same for several nodes at once. The memory is that of batching(). It succeeds or fails as a whole.
   virtual Status produce_batch(const BrickBatch& batch) const {
     const std::size_t bytes = description().brick_bytes();
     for (std::size_t i = 0; i < batch.keys.size(); ++i) {
@@ -92,11 +93,12 @@ class Producer {
     }
     return {};
   }
+  /// How many bricks produce_batch() gets at most, and in which device's memory.
   virtual Batching batching() const { return {}; }
 
   /// Bytes read from files or servers so far.
   virtual std::uint64_t bytes_read() const { return 0; }
-  /// Since it was opened.
+  /// Times since the producer was opened.
   virtual ProductionTimes times() const { return {}; }
 };
 

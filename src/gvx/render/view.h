@@ -1,5 +1,5 @@
 /// \file
-/// View: what one wants to see of a volume, and TreePlacement: what is known of the tree that holds it.
+/// View: what to show of a volume, and how. TreePlacement: the shape of the volume's tree, and where it is.
 #pragma once
 
 #include <cstdint>
@@ -17,45 +17,49 @@
 
 namespace gvx::render {
 
+/// A picture: its size, the camera, and how values are shown.
 struct View {
   std::uint32_t width = 1024, height = 1024;
-  /// Rays along an axis of a pixel, 1 to 8: each a cone of its own share, so that levels are finer too.
+  /// Rays along each axis of a pixel, 1 to 8. More rays are thinner cones, so they also use finer levels.
   std::uint32_t antialias = 1;
   static constexpr std::uint32_t kMostAntialias = 8;
-  /// Of `antialias`, those that stand for one ray that was asked for: subrays_of() of frame.h says how many.
+  /// How many of the `antialias` rays along an axis replace a single ray that was asked for: see subrays_of()
+  /// in frame.h.
   std::uint32_t subrays = 1;
   scene::Camera camera;
   scene::Mode mode = scene::Mode::composite;
-  double isovalue = 0;  ///< physical; of isosurfaces
-  /// Of scalars that are composited.
+  double isovalue = 0;  ///< physical; only for isosurfaces
+  /// How values become colours; only for scalars in mode composite.
   scene::Classification classification = scene::Classification::preintegrated;
-  /// One a channel; fewer repeat the last. None for colour voxels.
+  /// One for each channel; if there are fewer, the last one is repeated. None for colour voxels.
   std::vector<scene::TransferFunction> functions;
   scene::Lighting lighting;
-  Box3d clip{{0, 0, 0}, {1, 1, 1}};  ///< in fractions of the volume's box along its axes
-  Vec3f background{0, 0, 0};         ///< display (sRGB)
-  bool opaque_background = true;     ///< otherwise pixels keep their alpha
-  /// Along a ray, of the level that is sampled; of two that are blended, pre-integrated, of the coarser one,
-  /// unless that were less than one a voxel of the finer.
+  Box3d clip{{0, 0, 0}, {1, 1, 1}};  ///< what is shown, in fractions of the volume's box
+  Vec3f background{0, 0, 0};         ///< as displayed (sRGB), 0 to 1
+  bool opaque_background = true;     ///< if not, pixels keep their alpha
+  /// Samples along a ray for each voxel of the level that is sampled. Where two levels are blended and the
+  /// classification is pre-integrated: for each voxel of the coarser one, but at least one for each voxel of
+  /// the finer one.
   double samples_per_voxel = 2;
-  bool level_of_detail = true;  ///< otherwise the finest level everywhere
-  /// Voxels across a ray's cone where levels of detail are chosen: at 2 the filter between voxels is as wide
-  /// as the cone, 1 is blurred and loads a quarter.
+  bool level_of_detail = true;  ///< if not, the finest level is used everywhere
+  /// Voxels across a ray's cone at the level of detail that is chosen. At 2 the interpolation filter is as
+  /// wide as the cone. At 1 pictures are blurred, and load a quarter of the data.
   double detail = 2;
   static constexpr double kLeastDetail = 0.25, kMostDetail = 16;
 
-  /// Added to the values of a volume of one channel as rays go through it.
+  /// Noise that is added to the values of a volume of one channel, at each sample of a ray.
   std::optional<AddedNoise> noise = {};
 
   bool operator==(const View&) const = default;
 };
 
+/// What frames need to know of a tree. Tree space is the cube [0, 1]^3 of the root node.
 struct TreePlacement {
-  int n = 2, m = 16;
-  int max_level = 0;
+  int n = 2, m = 16;  ///< children along an axis of a node; voxels along an axis of a brick
+  int max_level = 0;  ///< the finest
   VoxelFormat format;
   Affine3 tree_to_world;
-  Box3d extent{{0, 0, 0}, {1, 1, 1}};  ///< of the volume in tree space
+  Box3d extent{{0, 0, 0}, {1, 1, 1}};  ///< the part of tree space that holds the volume
   double scale = 1, offset = 0;        ///< physical value = scale * stored value + offset
   ChannelRanges ranges;                ///< of all stored values
 };

@@ -1,5 +1,5 @@
 /// \file
-/// Camera: where one looks from, in world space, and the ray of each pixel.
+/// Camera: a position and a direction of view in world space. CameraView: the ray of each pixel.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,19 @@
 
 namespace gvx::scene {
 
-/// A perspective camera, or an orthographic one where height_world > 0.
+/// A perspective camera. With height_world > 0 an orthographic one.
 struct Camera {
   Vec3d eye{0, 0, 1};
   Vec3d target;
   Vec3d up{0, 1, 0};
-  double fov_degrees = 30;  ///< vertical; of a perspective camera
-  double height_world = 0;  ///< of the picture; of an orthographic camera
-  /// What eye and target are told from: near a place that takes more digits than a double has.
+  double fov_degrees = 30;  ///< vertical angle of view of a perspective camera
+  double height_world = 0;  ///< height of an orthographic camera's picture
+  /// The point to which eye and target are relative. It has more digits than a double, for views deep in a
+  /// fractal.
   Vec3dd origin = {};
 
   bool orthographic() const { return height_world > 0; }
-  /// Looks at this origin, from where it is.
+  /// Makes `to` the origin and the target. The eye stays where it is.
   void move_origin(Vec3dd to) {
     eye = Vec3d(eye_world() - to);
     target = {};
@@ -33,11 +34,11 @@ struct Camera {
   constexpr bool operator==(const Camera&) const = default;
 };
 
-/// What kernels make rays with: unit directions, so that t is a distance in the world.
+/// What kernels need to make rays. Directions are unit vectors, so t along a ray is a distance in the world.
 struct CameraView {
   Vec3d eye;
   Vec3d forward, right, up;  ///< unit and orthogonal
-  double pixel = 0;          ///< width of a pixel: at distance 1 (perspective) or everywhere (orthographic)
+  double pixel = 0;          ///< width of a pixel, at distance 1 (perspective) or anywhere (orthographic)
   double half_width = 0, half_height = 0;  ///< of the picture, in pixels
   bool orthographic = false;
 
@@ -46,7 +47,7 @@ struct CameraView {
     const Ray ray = pixel_ray_from_eye(x, y);
     return {eye + ray.origin, ray.direction};
   }
-  /// The same ray; its origin is told from the eye.
+  /// The same ray; its origin is relative to the eye.
   GVX_HD Ray pixel_ray_from_eye(double x, double y) const {
     const Vec3d across = (x + 0.5 - half_width) * pixel * right + (half_height - y - 0.5) * pixel * up;
     if (orthographic) return {across, forward};
@@ -56,19 +57,21 @@ struct CameraView {
   }
 };
 
-/// An error where eye, target and up span no view, or an angle is out of range.
+/// An error if eye, target and up do not define a view, or an angle is out of range.
 Result<CameraView> make_view(const Camera& camera, std::uint32_t width, std::uint32_t height);
 
-/// The text that parse_camera takes: "eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees" (or height=world), to full
-/// precision; with "origin=x,y,z;" before it where that is not 0.
+/// The text that parse_camera() reads: "eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees", to full precision. An
+/// orthographic camera has "height=world" in place of "fov". An origin that is not 0 comes first, as
+/// "origin=x,y,z;".
 std::string to_text(const Camera& camera);
 
-/// Reads what to_text writes; parts may be left out and are those of `defaults`, but for an up that points
-/// along the view (camera_parts.h). The target beside an origin is that origin if not given.
+/// Reads what to_text() writes. Parts that are left out are those of `defaults`. If the default up points
+/// along the view, another one is chosen (camera_parts.h). With an origin and no target, the origin is the
+/// target.
 Result<Camera> parse_camera(const std::string& text, const Camera& defaults);
 
-/// Frames the world-space image of the box `extent` from a little to one side and above; an anatomical volume
-/// (x to the right, y to the front, z up) is seen in the face.
+/// A camera that shows the whole box `extent`, from a little to one side and above. A patient (anatomical: x
+/// to the right, y to the front, z up) is seen from the front.
 Camera frame_box(const Box3d& extent, const Affine3& extent_to_world, bool anatomical, double aspect);
 
 }  // namespace gvx::scene

@@ -1,6 +1,6 @@
 /// \file
-/// CameraParts: the parts of a camera that a scene file or a command line gives. The program chooses the
-/// rest.
+/// CameraParts: those parts of a camera that a scene file or a command line states. The program chooses the
+/// others.
 #pragma once
 
 #include <optional>
@@ -27,8 +27,8 @@ struct CameraParts {
   bool operator==(const CameraParts&) const = default;
 };
 
-/// The camera with another up where its own points along the view: y, or z where the view is along y. For an
-/// up that nobody asked for.
+/// The camera with a usable up, for an up that the user did not state. If it points along the view, it
+/// becomes y; or z, if the view is along y.
 Camera with_fitting_up(Camera camera);
 
 /// Reads what to_text writes; parts may be left out.

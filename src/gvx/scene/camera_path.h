@@ -1,5 +1,6 @@
 /// \file
-/// CameraPath: a camera that moves through key frames; and orbit, around what it looks at.
+/// CameraPath: a camera that moves through key frames. zoom() and orbit() move a camera relative to its
+/// target.
 #pragma once
 
 #include <vector>
@@ -9,6 +10,7 @@
 
 namespace gvx::scene {
 
+/// The camera at one frame of a path; frames may be fractions.
 struct KeyFrame {
   double frame = 0;
   Camera camera;
@@ -16,14 +18,14 @@ struct KeyFrame {
   constexpr bool operator==(const KeyFrame&) const = default;
 };
 
-/// Passes through every key frame exactly and has no corners in between: a Catmull-Rom spline with the frames
-/// as its parameter (Barry, Goldman 1988), whose speed at a key frame is bounded by three times the mean
-/// speed on either side, which keeps monotone stretches monotone (Fritsch, Carlson 1980). A camera that rests
-/// between two key frames therefore rests, however fast it comes and goes.
+/// A smooth path that passes through every key frame exactly. It is a Catmull-Rom spline with the frame as
+/// its parameter (Barry, Goldman 1988). Its speed at a key frame is at most three times the mean speed on
+/// either side, so it does not overshoot (Fritsch, Carlson 1980). Between two equal key frames the camera
+/// rests.
 class CameraPath {
  public:
-  /// At least one key frame, ascending, all perspective or all orthographic, of one origin; otherwise an
-  /// error that names the first one that is not so.
+  /// Takes one or more key frames in ascending order. All are perspective or all orthographic, and all have
+  /// the same origin. The error names the first key frame that breaks this.
   static Result<CameraPath> create(std::vector<KeyFrame> key_frames);
 
   /// Before the first key frame and after the last one the camera rests.
@@ -37,10 +39,10 @@ class CameraPath {
   std::vector<KeyFrame> key_frames_;
 };
 
-/// The camera so many times nearer to its target.
+/// The camera, `factor` times nearer to its target.
 Camera zoom(const Camera& camera, double factor);
 
-/// The camera turned about the axis through its target along its up, to the right as it sees it.
+/// The camera, moved around its target to its own right. The axis goes through the target along up.
 Camera orbit(const Camera& camera, double degrees);
 
 }  // namespace gvx::scene

@@ -1,5 +1,6 @@
 /// \file
-/// Lighting: Blinn-Phong on the gradient. Both sides of a surface are lit; there are no shadows.
+/// Lighting: Blinn-Phong shading, with the gradient of the values as normal. Both sides of a surface are lit.
+/// There are no shadows.
 #pragma once
 
 #include <cmath>
@@ -12,21 +13,21 @@
 namespace gvx::scene {
 
 enum class LightKind : std::uint32_t {
-  camera,       ///< far away, in a direction that goes with the camera: x right, y up, z towards the viewer
-  directional,  ///< far away, in a direction of the world
-  point         ///< at a place of the world, as bright at every distance
+  camera,       ///< far away, in a direction relative to the camera: x right, y up, z towards the viewer
+  directional,  ///< far away, in a direction of world space
+  point         ///< at a position in world space; equally bright at every distance
 };
 
 struct Light {
   LightKind kind = LightKind::camera;
-  Vec3d place{-0.6, 0.7, 1};  ///< the direction to the light, or its place; by default over the left shoulder
+  Vec3d place{-0.6, 0.7, 1};  ///< direction, or position of a point light; default: over the left shoulder
   Vec3f color{1, 1, 1};
 
   constexpr bool operator==(const Light&) const = default;
 };
 
-/// Weights of the terms, and the lights; ambient + diffuse = 1 keeps a surface that faces one white light at
-/// its own colour.
+/// The weights of the shading terms, and the lights. With ambient + diffuse = 1, a surface that faces a
+/// single white light keeps its own colour.
 struct Lighting {
   static constexpr int kMostLights = 8;
 
@@ -46,8 +47,8 @@ struct Lighting {
   constexpr bool operator==(const Lighting&) const = default;
 };
 
-/// How much of a surface matter with this gradient is, 0 to 1. Both in values a voxel; `soft` is where it is
-/// half of one: noise has gradients too, but none that mean anything.
+/// How certain it is that a gradient is that of a surface, from 0 to 1, and not that of noise. Both arguments
+/// are in values per voxel. At `soft` the certainty is one half.
 template <typename Real>
 GVX_HD inline Real surface_certainty(Real gradient, Real soft) {
   const Real ratio = gradient / soft;
@@ -55,31 +56,32 @@ GVX_HD inline Real surface_certainty(Real gradient, Real soft) {
   return held * held / (held * held + 1);
 }
 
-/// A surface crosses the values that a transfer function tells apart within a few voxels; this share of them
-/// a voxel counts half.
+/// A gradient for which the certainty is one half. Its unit is the range of values that the transfer function
+/// distinguishes, per voxel: at a surface the values cross this range within a few voxels.
 inline constexpr double kSoftGradient = 1.0 / 40;
 
-/// What lighting does to a colour of some weight (its opacity, say): color * body + weight * glint.
+/// What lighting does to a colour and its weight, such as its opacity: color * body + weight * glint.
 template <typename Real>
 struct Shade {
   Vec3<Real> body{Real(1), Real(1), Real(1)};
   Vec3<Real> glint;
 };
 
-/// Lighting as kernels take it: the lights of one frame in world space.
+/// Lighting for kernels: the lights of one frame in world space.
 struct LightingView {
   Lighting lighting;
-  Vec3d place[Lighting::kMostLights];  ///< unit directions to the lights, or places of point lights
+  Vec3d place[Lighting::kMostLights];  ///< unit directions to the lights, or positions of point lights
 
-  /// A light opposite the eye has no direction half way, and one at the point itself none at all.
+  /// The unit vector, or zero where there is no direction: between opposite directions, or to the point
+  /// itself.
   template <typename Real>
   GVX_HD static Vec3<Real> unit_or_zero(Vec3<Real> v) {
     const Real l = length(v);
     return l > Real(0) ? v / l : Vec3<Real>();
   }
 
-  /// At a point with this gradient, in world space; to_eye is a unit vector. `certainty`, 0 to 1, says how
-  /// much of a surface it is: homogeneous matter has no normal and is lit from all sides alike.
+  /// Shades a point with this gradient, in world space; to_eye is a unit vector. `certainty`, 0 to 1, says
+  /// how certain a surface is. Where it is 0, the point is lit equally from all sides.
   template <typename Real>
   GVX_HD Shade<Real> shade(Vec3<Real> gradient, Real certainty, Vec3<Real> to_eye, Vec3<Real> point) const {
     Shade<Real> shade;
@@ -106,7 +108,7 @@ struct LightingView {
   }
 };
 
-/// An error where a weight is no number, or a light has no direction or place.
+/// An error if a weight is not a finite number of 0 or more, or a light has no direction or position.
 inline Status check(const Lighting& lighting) {
   for (const float weight : {lighting.ambient, lighting.diffuse, lighting.specular, lighting.shininess}) {
     if (!(weight >= 0) || !std::isfinite(weight)) return Error{"lighting: weights must be 0 or more"};
@@ -124,7 +126,7 @@ inline Status check(const Lighting& lighting) {
   return {};
 }
 
-/// The lights where they are in a frame whose camera has these axes.
+/// The lights in world space, for a camera with these axes.
 inline LightingView place_lights(const Lighting& lighting, Vec3d forward, Vec3d right, Vec3d up) {
   LightingView view;
   view.lighting = lighting;

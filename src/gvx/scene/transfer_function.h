@@ -1,6 +1,6 @@
 /// \file
-/// TransferFunction: physical value to colour and opacity, piecewise linear; and the table that kernels look
-/// up.
+/// TransferFunction: gives each physical value a colour and an opacity, piecewise linear. TransferTable and
+/// TransferView: the table in which kernels look it up.
 #pragma once
 
 #include <cmath>
@@ -18,34 +18,34 @@ namespace gvx::scene {
 
 struct ColorPoint {
   double value;
-  Vec3d color;  ///< display (sRGB) red, green, blue, 0 to 1
+  Vec3d color;  ///< red, green, blue as displayed (sRGB), 0 to 1
 
   constexpr bool operator==(const ColorPoint&) const = default;
 };
 
 struct OpacityPoint {
   double value;
-  double opacity;  ///< 0 to 1, of matter of the unit distance's thickness
+  double opacity;  ///< 0 to 1, of matter as thick as the unit distance
 
   constexpr bool operator==(const OpacityPoint&) const = default;
 };
 
 struct GradientPoint {
   double gradient;  ///< physical values per world unit, from 0
-  double factor;    ///< 0 to 1, of the extinction
+  double factor;    ///< 0 to 1; multiplies the extinction
 
   constexpr bool operator==(const GradientPoint&) const = default;
 };
 
-/// Values are physical (Hounsfield units for a CT). Beyond its first and last points a curve stays as it is
-/// there.
+/// Values are physical, such as Hounsfield units for a CT. Beyond its first and last points a curve is
+/// constant.
 struct TransferFunction {
   std::vector<ColorPoint> colors;       ///< ascending, at least one
-  std::vector<OpacityPoint> opacities;  ///< ascending, at least one; two points of one value make a step
-  /// The thickness that the opacities are of, in world units; 0 takes the smallest voxel spacing.
+  std::vector<OpacityPoint> opacities;  ///< ascending, at least one; two points of the same value are a step
+  /// The thickness of matter that has these opacities, in world units. 0: the smallest voxel spacing.
   double unit_distance = 0;
-  /// Ascending; if not empty the extinction is multiplied by the factor at the gradient's length, so that
-  /// only boundaries remain.
+  /// Ascending; may be empty. Otherwise the extinction is multiplied by the factor for the gradient's length.
+  /// So boundaries can be shown alone.
   std::vector<GradientPoint> gradients = {};
 
   Vec3d color(double value) const;
@@ -57,11 +57,11 @@ struct TransferFunction {
   bool operator==(const TransferFunction&) const = default;
 };
 
-/// An error that names the first point out of order or out of bounds.
+/// An error that names the first point that is out of order or out of bounds.
 Status check(const TransferFunction& function);
 
-/// Colour and extinction of matter, per unit distance; the colour is multiplied by the extinction. What a
-/// stretch of length d adds: opacity 1 - exp(-extinction * d), of the colour color / extinction.
+/// Colour and extinction of matter, per unit distance. The colour is multiplied by the extinction. A piece of
+/// a ray of length d adds the opacity 1 - exp(-extinction * d), in the colour color / extinction.
 struct Matter {
   Vec3f color;
   float extinction = 0;
@@ -71,70 +71,71 @@ struct Matter {
   }
 };
 
-/// What kernels look up: a stored value v falls on entry v * to_entry_scale + to_entry_offset. Beyond its
-/// ends a table goes on as it is there.
+/// The table for kernels. A stored value v is found at entry v * to_entry_scale + to_entry_offset. Beyond its
+/// first and last entries the table is constant.
 ///
-/// A stretch of a ray is given the mean matter of all values along it, from the running integral of the table
-/// (pre-integration by integral functions: Engel, Kraus, Ertl 2001, section 4.4), so that a function's thin
-/// layer between two samples is not missed. The integrals are fixed-point and wrap around: their differences
-/// stay exact where floats would cancel.
+/// A piece of a ray shows the mean matter of all values between its ends, so a thin layer between two samples
+/// is not missed. The mean comes from the running integral of the table (pre-integration by integral
+/// functions: Engel, Kraus, Ertl 2001, section 4.4). The integrals are fixed-point numbers that wrap around.
+/// Their differences are exact; those of floats would lose small values.
 struct TransferView {
-  /// From an entry to the next: the running integral up to it in multiples of integral_unit, and the mean
-  /// matter; r, g, b, extinction.
+  /// Of an entry: the running integral up to it, in multiples of integral_unit, and the mean matter from it
+  /// to the next entry. Each is red, green, blue and extinction.
   struct alignas(32) Integral {
     std::uint32_t sum[4];
     float density[4];
   };
 
-  /// So narrow, in entries, the integrals' differences would be of few of their units: these are even.
+  /// Intervals of fewer entries than this are taken as even: the difference of their integrals would be only
+  /// a few units.
   static constexpr float kNarrow = 0.125f;
 
-  /// A piece of the table in which matter goes along a parabola: the mean of an interval in it that is no
-  /// wider than `width` is what is half way, plus `bend` times the square of the interval's width.
+  /// A piece of the table in which matter follows a parabola. The mean over an interval of at most `width` is
+  /// the matter at its middle, plus `bend` times the square of the interval's width.
   struct Parabola {
     float first = 0, last = 0;  ///< entries
     float width = 0;
     Matter bend;
   };
 
-  /// Where means are known from one lookup.
+  /// Intervals whose mean is found by a single lookup.
   struct Even {
-    float width = kNarrow;  ///< intervals of no more entries than this have the mean of what is half way
-    float above = 0;        ///< and all that begin no lower than this entry
+    float width = kNarrow;  ///< those of at most this many entries: the mean is the matter at the middle
+    float above = 0;        ///< all that begin at this entry or above: likewise
     Parabola piece;
   };
 
-  const Matter* matter = nullptr;      ///< `entries` of them
-  const Integral* integral = nullptr;  ///< one an entry
+  const Matter* matter = nullptr;      ///< one for each entry
+  const Integral* integral = nullptr;  ///< one for each entry
   const std::uint32_t* visible_before =
-      nullptr;  ///< entries + 1: how many entries before this one can be seen
+      nullptr;  ///< entries + 1 of them: how many of the entries before this one are visible
   const float* gradient_factor =
-      nullptr;  ///< kGradientEntries, or null: factor of the extinction by gradient
+      nullptr;  ///< kGradientEntries factors of the extinction, by gradient; or null
   int entries = 0;
-  float integral_unit = 0, integrals_per_unit = 0;  ///< one is the other's inverse
-  float first_visible = 0, last_visible = 0;        ///< up to the one and from the other on nothing is seen
+  float integral_unit = 0, integrals_per_unit = 0;  ///< each is the inverse of the other
+  float first_visible = 0, last_visible = 0;  ///< up to the first, and from the last on, nothing is visible
   Even even;
   float to_entry_scale = 0, to_entry_offset = 0;
   float length_per_entry = 1;   ///< see length()
   float to_gradient_entry = 0;  ///< from a gradient in stored values per world unit
 
-  static constexpr int kEntries = 4096;       ///< of most tables of scalars; labels have one each
-  static constexpr int kMostEntries = 65536;  ///< of a table of scalars whose function is steep somewhere
+  static constexpr int kEntries = 4096;       ///< of most tables of scalars; for labels, one for each label
+  static constexpr int kMostEntries = 65536;  ///< of tables of scalars whose function is steep somewhere
   static constexpr int kGradientEntries = 256;
 
   GVX_HD float entry_of(float stored) const { return stored * to_entry_scale + to_entry_offset; }
 
-  /// How far it is from one entry to another, in 4096ths of the table: how often a way through the function
-  /// is cut does not depend on how fine the table is.
+  /// The distance between two entries, in 4096ths of the table. So the number of cuts of a step does not
+  /// depend on the number of entries.
   GVX_HD float length(float from, float to) const { return std::fabs(to - from) * length_per_entry; }
 
-  /// Matter at one entry, linear between two.
+  /// Matter at an entry; between two entries linear.
   GVX_HD Matter at(float entry) const {
     const EntryPosition p = place(entry);
     return mix(matter[p.low], matter[p.low + 1], p.weight);
   }
 
-  /// What the running integrals are at an entry: two of these give the mean matter between them.
+  /// The running integrals at an entry. Two of these give the mean matter between them.
   struct Reading {
     float entry = 0;
     std::uint32_t sum[4] = {};
@@ -153,8 +154,8 @@ struct TransferView {
     return reading;
   }
 
-  /// The mean matter of the entries between two readings, which are equally likely and more than kNarrow
-  /// apart.
+  /// The mean matter of the entries between two readings. All entries count equally. The readings must be
+  /// more than kNarrow apart.
   GVX_HD Matter mean(const Reading& a, const Reading& b) const {
     const float last = static_cast<float>(entries - 1);
     const float width = b.entry - a.entry;
@@ -171,7 +172,7 @@ struct TransferView {
     return m;
   }
 
-  /// The mean matter of the entries from one to another.
+  /// The mean matter of the entries between two.
   GVX_HD Matter mean(float from, float to) const {
     if (invisible(from, to)) return {};
     if (!is_in_parabola(from, to)) {
@@ -183,7 +184,7 @@ struct TransferView {
             half_way.extinction + square * even.piece.bend.extinction};
   }
 
-  /// Is the function so even between two entries that its mean there is what it is half way?
+  /// Is the function so even between two entries that its mean is its value at the middle?
   GVX_HD bool is_even(float from, float to) const {
     return !(std::fabs(to - from) > even.width) || std::fmin(from, to) >= even.above;
   }
@@ -192,33 +193,34 @@ struct TransferView {
     return std::fmin(from, to) >= p.first && std::fmax(from, to) <= p.last && std::fabs(to - from) <= p.width;
   }
 
-  /// The mean matter of as little around an entry as the table tells apart; below the first, that behind it.
+  /// The mean matter from the whole entry below this one to the next. Below the first entry: that of the
+  /// first.
   GVX_HD Matter density_at(float entry) const {
     const float* density =
         integral[static_cast<int>(clamped(entry, static_cast<float>(entries - 1)))].density;
     return {{density[0], density[1], density[2]}, density[3]};
   }
 
-  /// The whole entry that is nearest to one.
+  /// The nearest whole entry.
   GVX_HD int nearest(float entry) const {
     const float half_above = clamped(entry + 0.5f, static_cast<float>(entries - 1));
     return static_cast<int>(half_above);
   }
 
-  /// Can no value between two entries be seen? Conservative: true is certain.
+  /// Are all values between two entries invisible? True is certain; false may be wrong.
   GVX_HD bool invisible(float a, float b) const {
     return std::fmax(a, b) <= first_visible || std::fmin(a, b) >= last_visible;
   }
 
-  /// Is every stored value of the range below all that can be seen, even if values deviate by as much as this
-  /// (EntryPath::mean)? So is then what lies between two such.
+  /// Is every stored value of the range below all visible values, even with this deviation (EntryPath::mean)?
+  /// If two values are, so are all values between them.
   GVX_HD bool below_visible(ValueRange stored, float deviation = 0) const {
     constexpr float kSqrt3 = 1.7320509f;
     return std::fmax(entry_of(stored.minimum), entry_of(stored.maximum)) +
                kSqrt3 * std::fabs(deviation * to_entry_scale) <=
            first_visible;
   }
-  /// Are those entries that cannot be seen all below those that can?
+  /// Are all invisible entries below all visible ones?
   GVX_HD bool hides_lowest_only() const {
     const int hidden = first_visible < 0 ? 0 : static_cast<int>(first_visible) + 1;
     return static_cast<int>(visible_before[entries]) == entries - hidden;
@@ -230,7 +232,7 @@ struct TransferView {
                                                               : static_cast<std::uint32_t>(entries - 1)];
   }
 
-  /// What a gradient of this length, in stored values per world unit, multiplies the extinction by.
+  /// The factor of the extinction for a gradient of this length, in stored values per world unit.
   GVX_HD float factor_of_gradient(float steepness) const {
     float entry = steepness * to_gradient_entry;
     entry = entry < float(kGradientEntries - 1) ? entry : float(kGradientEntries - 1);
@@ -240,7 +242,7 @@ struct TransferView {
            (entry - static_cast<float>(low)) * (gradient_factor[low + 1] - gradient_factor[low]);
   }
 
-  /// Is every stored value of the range looked up as fully transparent? Conservative: true is certain.
+  /// Is every stored value of the range fully transparent? True is certain; false may be wrong.
   GVX_HD bool transparent(ValueRange stored) const {
     const float last_entry = static_cast<float>(entries - 1);
     const EntryPosition a =
@@ -273,23 +275,23 @@ struct TransferView {
   }
 };
 
-/// The table's host side.
+/// Owns the table, on the host.
 struct TransferTable {
   std::vector<Matter> matter;
   std::vector<TransferView::Integral> integral;
   std::vector<std::uint32_t> visible_before;
-  std::vector<float> gradient_factor;  ///< empty where the gradient does not matter
+  std::vector<float> gradient_factor;  ///< empty if the function does not depend on the gradient
   float integral_unit = 0;
   float first_visible = 0, last_visible = 0;
   TransferView::Even even;
   float to_entry_scale = 0, to_entry_offset = 0;
   float to_gradient_entry = 0;
-  double span = 0;  ///< stored values that the function tells apart, of those that there are
+  double span = 0;  ///< width of the range of stored values in which the function changes
 
   TransferView view() const;
 };
 
-/// The values that a function may be asked for, physical.
+/// The range of physical values for which a function is looked up.
 struct ValueSpan {
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
@@ -297,20 +299,20 @@ struct ValueSpan {
   bool operator==(const ValueSpan&) const = default;
 };
 
-/// Samples a function over the values between its outermost points, as far as there are such values, for
-/// stored values with physical = scale * stored + offset. Extinctions are held at `most_extinction`.
+/// Makes the table of a function. It spans the function's points, but no more than `values`. Physical values
+/// are scale * stored + offset. Extinctions are at most `most_extinction`.
 ///
-/// A table has TransferView::kEntries; where the function is so steep that from one entry to the next it
-/// would change by more than a 32nd of its greatest, up to kMostEntries. Where that is too few, too, it is
-/// laid over what is between the first and the last bend alone.
+/// A table has TransferView::kEntries. It has more, up to kMostEntries, if the function would change by more
+/// than a 32nd of its greatest value from one entry to the next. If these are too few as well, the table
+/// spans only the values between the first and the last bend.
 TransferTable bake(const TransferFunction& function, double scale, double offset, double most_extinction,
                    ValueSpan values = {});
 
-/// One entry for each of the stored labels 0 to `labels` - 1.
+/// The table for labels: an entry for each stored label from 0 to `labels` - 1.
 TransferTable bake_labels(const TransferFunction& function, double scale, double offset,
                           std::uint32_t labels);
 
-/// For colour voxels, whose ranges are of their opacity: only what is 0 cannot be seen.
+/// The table for colour voxels. Their ranges are those of their opacity; only 0 is invisible.
 TransferTable bake_opacities();
 
 /// The names that preset() knows.

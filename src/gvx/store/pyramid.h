@@ -1,19 +1,20 @@
 /// \file
-/// PyramidBuilder makes all levels of the tree out of a volume that is handed over slice by slice, in one
-/// pass and in bounded memory, and puts them into a StoreWriter.
+/// PyramidBuilder: writes a volume into a store at all levels, its resolutions from the finest to the
+/// coarsest. It takes the volume slice by slice, in one pass and in bounded memory.
 ///
-/// Each level keeps a window of its last m+2n slices. When a level has the slices of a layer of bricks and
-/// the n behind it, the layer's bricks are cut out, compressed on all threads, and written; when it has n
-/// slices that make one of the level above, that one is pushed there:
+/// A brick has m voxels along each axis. A coarse voxel stands for n finer ones along each axis. Each level
+/// keeps its last m+2n slices. When these hold a layer of bricks and the n slices behind it, the bricks of
+/// the layer are cut out, compressed on all threads, and written. Each n slices are averaged to one slice,
+/// which goes to the next coarser level:
 ///
 ///     finest   z ->  [.....m+2n slices....]  -> bricks of one layer -> writer
 ///                          | one voxel of n^3 (downsample.h)
 ///     above          [.....m+2n slices....]  -> bricks of one layer -> writer
 ///                          | ...
 ///
-/// A brick is cut out with the border that `info` says, 1 or 2: both are within the rim of n. Voxels beyond
-/// the volume's faces repeat those at the face; means take only the voxels that exist. Of scalars each coarse
-/// level also keeps the variance of what its voxels stand for.
+/// A brick has the border that `info` names, 1 or 2. Voxels beyond the volume's faces repeat those at the
+/// face. Means count only the voxels that exist. For scalars, each coarse level also keeps the variance of
+/// the finest voxels that a voxel stands for.
 #pragma once
 
 #include <cstdint>
@@ -28,24 +29,23 @@
 
 namespace gvx::store {
 
-/// Takes the slices of a volume of one voxel format. The bytes written do not depend on the number of
-/// threads.
+/// Takes the slices of a volume. The bytes of the store do not depend on the number of threads.
 class PyramidBuilder {
  public:
-  /// `info` says the shape, voxel type, codec and all that the header keeps; its ranges and histograms, and
-  /// whether there is no_data, are found here.
+  /// `info` has the shape, the type of voxels, the codec, and all else that the header holds. Ranges,
+  /// histograms and no_data are computed here.
   PyramidBuilder(const exec::Device& cpu, StoreWriter& writer, VolumeInfo info);
   ~PyramidBuilder();
 
-  /// The memory that the build will take: about m+2n slices of the finest level, and as much again for the
-  /// variances of u8 scalars.
+  /// The memory that the build needs: about m+2n slices of the finest level, and for u8 scalars as much again
+  /// for variances.
   static std::uint64_t window_bytes(const VolumeInfo& info);
 
-  /// The next slices, dimensions.x * dimensions.y voxels each, the numbers of a voxel side by side. Voxels of
-  /// type f32 must be finite, or NaN for no data.
+  /// Takes the next slices, of dimensions.x * dimensions.y voxels each. The numbers of a voxel are side by
+  /// side. Voxels of type f32 must be finite, or NaN for no data.
   Status push_slices(std::int64_t count, std::span<const std::byte> voxels);
 
-  /// Checks that every slice has come, and finishes the writer.
+  /// Finishes the store. An error if slices are missing.
   Status finish();
 
  private:

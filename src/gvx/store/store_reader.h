@@ -1,6 +1,7 @@
 /// \file
-/// StoreReader reads node records and bricks out of a .gvx store, piece by piece and from any number of
-/// threads.
+/// StoreReader: reads parts of a .gvx store, the file format of docs/store-format.md. A store holds a volume
+/// as bricks, small cubes of voxels, and a record for each: where it is, and which values it holds. Several
+/// threads can read at once.
 #pragma once
 
 #include <cstdint>
@@ -17,33 +18,36 @@
 
 namespace gvx::store {
 
+/// An open store.
 class StoreReader {
  public:
-  /// Reads header, sections' table, directory and metadata: of version 3 a few kilobytes, whatever the
-  /// store's size. An error where the file is no whole .gvx store of a version that this program reads.
+  /// Opens a store. Of version 3 this reads a few kilobytes, whatever the store's size: the header, the table
+  /// of sections, the directory and the metadata. An error if the file is not a complete .gvx store of a
+  /// known version.
   static Result<std::unique_ptr<StoreReader>> open(const std::string& path);
 
   const VolumeInfo& info() const { return info_; }
   const std::string& path() const { return file_.path(); }
-  /// Of the file's format.
+  /// The version of the file's format.
   std::uint32_t version() const { return version_; }
-  /// All that the file has, also those that this program does not know.
+  /// All sections of the file, including unknown ones.
   const std::vector<Section>& sections() const { return sections_; }
 
-  /// The record of a node that the shape contains. Reads its pages where they are not at hand. Thread-safe.
+  /// The record of a node, which must be in the tree. Reads index pages that are not in memory. Thread-safe.
   Result<NodeRecord> node(const NodeKey& key) const;
 
-  /// Fills `voxels`, info().brick_bytes(border) of them, with a brick; record.constant() needs no file. Where
-  /// the store's border is less than what is asked for, it is extrapolated. Thread-safe.
+  /// Fills `voxels`, info().brick_bytes(border) bytes, with the brick of a node. If record.constant(),
+  /// nothing is read. If the store's border is narrower than `border`, the outer voxels are extrapolated.
+  /// Thread-safe.
   Status read_brick(const NodeKey& key, const NodeRecord& record, std::span<std::byte> voxels,
                     std::uint32_t border = kBrickBorder) const;
 
   const PageIndex& index() const { return *index_; }
   const StoreFile& file() const { return file_; }
 
-  /// Everything that was read from the file so far.
+  /// Bytes read from the file so far.
   std::uint64_t bytes_read() const { return file_.bytes_read(); }
-  /// How long that took, and how long checking and decompressing, of all threads together.
+  /// Time for reading, and for checking and decompressing; summed over all threads.
   double reading_milliseconds() const { return file_.reading_milliseconds(); }
   double decoding_milliseconds() const { return file_.decoding().milliseconds(); }
 

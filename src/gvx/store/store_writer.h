@@ -1,8 +1,7 @@
 /// \file
-/// StoreWriter puts bricks, index pages and sections into a .gvx file. The file is written under the name
-/// PATH.partial and gets its own name when it is whole and on disk, so what is called PATH is always a
-/// finished store. Where PATH is that of an open descriptor of a file, such as /dev/fd/5, the store is
-/// written there.
+/// StoreWriter: writes bricks, index pages and sections into a .gvx file (docs/store-format.md). The file is
+/// called PATH.partial until it is complete and on the disk. Then it is renamed, so a file called PATH is
+/// always complete. If PATH is an open file descriptor, such as /dev/fd/5, the store is written there.
 #pragma once
 
 #include <cstdint>
@@ -20,14 +19,14 @@
 
 namespace gvx::store {
 
-/// Not thread-safe: its caller decides the order of the bytes. Destroyed before finish(), it removes what it
-/// wrote.
+/// Writes one store. Not thread-safe: the caller decides the order of the bytes. If it is destroyed before
+/// finish(), it removes the file.
 class StoreWriter {
  public:
-  /// What is written at once; twice as much is held.
+  /// Bytes that are written at once. Memory holds twice as many.
   static constexpr std::size_t kPendingBytes = 4 << 20;
 
-  /// An error where the file cannot be made or another process is writing it.
+  /// Creates the file. An error if that fails, or another process writes the same file.
   static Result<std::unique_ptr<StoreWriter>> create(const std::string& path, const TreeShape& shape,
                                                      const RecordLayout& layout);
   static Result<std::unique_ptr<StoreWriter>> create(const std::string& path, const TreeShape& shape,
@@ -38,35 +37,35 @@ class StoreWriter {
   StoreWriter(const StoreWriter&) = delete;
   StoreWriter& operator=(const StoreWriter&) = delete;
 
-  /// The memory that it takes at most.
+  /// The most memory that it needs, in bytes.
   static std::uint64_t most_bytes(const TreeShape& shape) {
     return 2 * kPendingBytes + IndexWriter::most_bytes(shape);
   }
 
-  /// Appends bytes that a record or a section will refer to.
+  /// Appends bytes to which a record or a section will refer.
   Result<BlockRef> add_block(std::span<const std::byte> bytes);
 
-  /// Appends a compressed brick; returns its record with these ranges.
+  /// Appends a compressed brick. Returns its record, with these ranges.
   Result<NodeRecord> add_brick(std::span<const std::byte> compressed, const ChannelRanges& ranges);
 
-  /// What all nodes of a level are whose page nobody adds: constant. Before the level's first page.
+  /// Sets the constant value of all nodes of a level that are in no page. Call it before the level's first
+  /// page.
   Status set_background(std::uint32_t level, const ChannelRanges& constant);
 
-  /// Adds a page of 8^3 records, x fastest, as the layout has them; those beyond the level's nodes are 0. Of
-  /// a level the layers of pages come in order.
+  /// Adds an index page: 8^3 records in the record layout, x fastest. Records beyond the level's nodes are 0.
+  /// The layers of pages of a level must be added in ascending order of z.
   Status add_page(std::uint32_t level, Vec3i page, std::span<const std::byte> records);
 
-  /// Adds the pages of one layer of pages of a level. `records`: pages_x*8 by pages_y*8 by 8 nodes, x
-  /// fastest.
+  /// Adds all pages of a level with this z. `records` has pages_x*8 by pages_y*8 by 8 nodes, x fastest.
   Status add_page_layer(std::uint32_t level, std::int64_t page_z, std::span<const NodeRecord> records);
 
-  /// Appends a section that readers ignore if they do not know its name, or, if it is required, refuse the
+  /// Appends a section. Readers that do not know its name ignore it; if it is `required`, they refuse the
   /// store.
   Status add_section(const std::string& name, std::uint32_t version, bool required,
                      std::span<const std::byte> bytes);
 
-  /// Writes the rest of the index, metadata, table of sections and header, waits for the disk, and gives the
-  /// file its name.
+  /// Completes the store: writes the rest of the index, the metadata, the table of sections and the header,
+  /// waits for the disk, and renames the file.
   Status finish(const VolumeInfo& info);
 
   std::uint64_t bytes_written() const { return end_; }
