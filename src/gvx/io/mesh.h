@@ -11,6 +11,7 @@
 
 #include "gvx/core/ray.h"
 #include "gvx/core/result.h"
+#include "gvx/core/up_axis.h"
 #include "gvx/core/vec.h"
 
 namespace gvx::io {
@@ -76,6 +77,18 @@ Result<TriangleMesh> read_mesh(const std::string& path, MeshReport* report = nul
 
 /// The error for a file of which no triangle is left, after `dropped` were left out.
 Error no_triangle(const std::string& path, std::uint64_t dropped);
+
+/// Which axis of a mesh points up, and why that is so or likely: "as in most STL files".
+struct MeshUp {
+  UpAxis axis = UpAxis::z;
+  bool guessed = true;  ///< glTF alone says it
+  std::string why;
+};
+
+/// Of a mesh file with these bounds. y is up in glTF (2.0, 3.4) and, by their programs' habit, in OBJ and
+/// PLY; z is up in STL, and wherever x and y are as far from 0 as coordinates of a map are: more than ten
+/// times the mesh's size.
+MeshUp mesh_up(const std::string& path, const Box3d& bounds);
 
 /// Does the name end as that of a mesh that read_mesh() knows?
 bool is_mesh_name(const std::string& path);

@@ -14,6 +14,7 @@
 #include "gvx/core/node_key.h"
 #include "gvx/core/ray.h"
 #include "gvx/core/result.h"
+#include "gvx/core/up_axis.h"
 #include "gvx/core/voxel.h"
 #include "gvx/exec/device.h"
 #include "gvx/tree/node_pool.h"
@@ -29,11 +30,14 @@ struct TreeDescription {
   VoxelFormat format;
   Affine3 tree_to_world;
   Box3d extent{{0, 0, 0}, {1, 1, 1}};  ///< the part of tree space that holds the volume
-  bool anatomical = false;             ///< world is millimetres: x right, y to the front, z up
-  double scale = 1, offset = 0;        ///< physical value = scale * stored value + offset
-  ChannelRanges ranges;                ///< of all stored values
-  float beyond_ranges = 0;             ///< how far voxels that are made may lie outside of these
-  bool no_data = false;                ///< f32 voxels may be NaN: no data, which is transparent
+  /// The part of the extent that is not empty, where that is known: what cameras frame.
+  std::optional<Box3d> bounds = {};
+  bool anatomical = false;       ///< world is millimetres: x right, y to the front, z up
+  UpAxis up = UpAxis::z;         ///< of the world
+  double scale = 1, offset = 0;  ///< physical value = scale * stored value + offset
+  ChannelRanges ranges;          ///< of all stored values
+  float beyond_ranges = 0;       ///< how far voxels that are made may lie outside of these
+  bool no_data = false;          ///< f32 voxels may be NaN: no data, which is transparent
   /// Of each channel's voxels, equal bins over its range; may be empty.
   std::vector<std::vector<std::uint64_t>> histograms;
   /// describe() tells the true ranges: no node is found to be constant only when its brick is made.
