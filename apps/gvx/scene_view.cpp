@@ -8,10 +8,12 @@
 
 #include "built_in_scenes.h"
 #include "command_line.h"
+#include "gvx/engine/engine.h"
 #include "gvx/io/transfer_function_file.h"
 #include "gvx/render/frame.h"
 #include "gvx/scene/camera_path.h"
 #include "gvx/scene/framing.h"
+#include "visible_bounds.h"
 
 namespace gvx::app {
 namespace {
@@ -138,14 +140,29 @@ Status check_function_files(const scene::SceneFile& scene, const SceneFlags& fla
 /// What cameras frame where nothing is known of the volume.
 const scene::Framing kAnyFraming{{{0, 0, 0}, {1, 1, 1}}, {}, scene::Stance::z_up, 1};
 
-/// What of the volume can be seen, and how it stands; of a scene whose size is chosen.
-scene::Framing framing_of(const scene::SceneFile& scene, const produce::TreeDescription& tree) {
-  const Box3d clip = scene.clip.value_or(render::View().clip);
+/// In tree space, what can be seen of a scene that is complete but for its camera.
+Result<Box3d> visible_box(const scene::SceneFile& scene, const SceneFlags& flags, const Scene& opened) {
+  const produce::TreeDescription& tree = opened.producer->description();
   const Vec3d corner = tree.extent.minimum, size = tree.extent.maximum - tree.extent.minimum;
   const Box3d all = tree.bounds.value_or(tree.extent);
-  const Box3d shown = intersect(all, Box3d{corner + clip.minimum * size, corner + clip.maximum * size});
+  const Box3d shown =
+      intersect(all, Box3d{corner + scene.clip->minimum * size, corner + scene.clip->maximum * size});
+  if (shown.empty()) return all;
+  // What is made, not stored, tells less than what it will be.
+  if (tree.bounds || !tree.exact_ranges || is_projection(*scene.mode)) return shown;
+  scene::SceneFile seen_somehow = scene;
+  seen_somehow.camera = scene::CameraParts(scene::Camera());
+  GVX_ASSIGN(const render::View view, make_view(seen_somehow, flags, opened));
+  GVX_ASSIGN(const auto frame, render::Frame::make(exec::Device::cpu(1), view, engine::placement_of(tree)));
+  return visible_bounds(*opened.producer, frame.view().visibility, shown);
+}
+
+/// Of a scene that is complete but for its camera.
+Result<scene::Framing> framing_of(const scene::SceneFile& scene, const SceneFlags& flags,
+                                  const Scene& opened) {
+  const produce::TreeDescription& tree = opened.producer->description();
   scene::Framing framing;
-  framing.box = shown.empty() ? all : shown;
+  GVX_ASSIGN(framing.box, visible_box(scene, flags, opened));
   framing.box_to_world = tree.tree_to_world;
   framing.stance =
       scene.up_axis ? scene::stance_of(*scene.up_axis, false) : scene::stance_of(tree.up, tree.anatomical);
@@ -208,6 +225,19 @@ Status check_cameras(const scene::SceneFile& scene, const SceneFlags& flags) {
   return {};
 }
 
+/// The last step of complete().
+Status complete_cameras(scene::SceneFile& scene, const SceneFlags& flags, const Scene& opened) {
+  GVX_ASSIGN(const scene::Framing framing, framing_of(scene, flags, opened));
+  GVX_ASSIGN(const StatedCamera stated, stated_camera(scene, flags, framing));
+  GVX_ASSIGN(const auto key_frames, flags.key_frames());
+  if (!key_frames.empty()) scene.camera_path = key_frames;
+  for (scene::KeyFrameParts& key : scene.camera_path)
+    key.camera = scene::CameraParts(key_camera(key, stated));
+  if (scene.camera_path.empty()) GVX_TRY(check_view(stated.camera));
+  scene.camera = scene::CameraParts(stated.camera);
+  return {};
+}
+
 template <typename Rename>
 void rename_files(scene::SceneFile& scene, Rename rename) {
   if (scene.volume) {
@@ -246,13 +276,6 @@ Result<scene::SceneFile> complete(scene::SceneFile scene, const SceneFlags& flag
   if (!scene.width) scene.width = standard.width;
   if (!scene.height) scene.height = standard.height;
   if (!scene.antialias) scene.antialias = standard.antialias;
-  GVX_ASSIGN(const StatedCamera stated, stated_camera(scene, flags, framing_of(scene, tree)));
-  GVX_ASSIGN(const auto key_frames, flags.key_frames());
-  if (!key_frames.empty()) scene.camera_path = key_frames;
-  for (scene::KeyFrameParts& key : scene.camera_path)
-    key.camera = scene::CameraParts(key_camera(key, stated));
-  if (scene.camera_path.empty()) GVX_TRY(check_view(stated.camera));
-  scene.camera = scene::CameraParts(stated.camera);
   if (!scene.mode) scene.mode = standard.mode;
   if (!scene.classification) scene.classification = standard.classification;
   GVX_TRY(check_mode(scene, flags));
@@ -270,6 +293,7 @@ Result<scene::SceneFile> complete(scene::SceneFile scene, const SceneFlags& flag
   if (!scene.samples) scene.samples = standard.samples_per_voxel;
   if (!scene.detail) scene.detail = standard.detail;
   if (!scene.finest) scene.finest = !standard.level_of_detail;
+  GVX_TRY(complete_cameras(scene, flags, opened));
   return scene;
 }
 

@@ -144,7 +144,7 @@ Outlook standard_outlook(Stance stance) {
     case Stance::patient:
       return {normalize(Vec3d{-0.42, 1, 0.22}), {0, 0, 1}};
     case Stance::y_up:
-      return {normalize(Vec3d{-0.45, 0.35, 1}), {0, 1, 0}};
+      return {normalize(Vec3d{0.45, 0.35, 1}), {0, 1, 0}};
     case Stance::z_up:
       break;
   }
@@ -155,8 +155,8 @@ Camera complete_camera(const CameraParts& given, const Framing& framing) {
   const Vec3dd origin = given.origin.value_or(Vec3dd());
   Corners corners = corners_of(framing);
   for (Vec3d& corner : corners) corner = Vec3d(Vec3dd(corner) - origin);
-  Vec3d centre;
-  for (const Vec3d& corner : corners) centre = centre + 0.125 * corner;
+  const Vec3d middle = 0.5 * (framing.box.minimum + framing.box.maximum);
+  const Vec3d centre(Vec3dd(framing.box_to_world.point(middle)) - origin);
   const Outlook look = chosen_outlook(given, framing.stance);
 
   Camera camera;
