@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 /// black, which is their least value.
 constexpr Vec3d kBackground{0.13, 0.16, 0.20};
 /// Of isosurfaces: ivory.
-constexpr Vec3d kSurfaceColor{0.93, 0.88, 0.78};
+constexpr Vec3d kSurfaceColor{0.98, 0.91, 0.80};
 
 bool is_projection(scene::Mode mode) {
   return mode != scene::Mode::composite && mode != scene::Mode::isosurface;

@@ -85,9 +85,11 @@ struct MeshUp {
   std::string why;
 };
 
-/// Of a mesh file with these bounds. y is up in glTF (2.0, 3.4) and, by their programs' habit, in OBJ and
-/// PLY; z is up in STL, and wherever x and y are as far from 0 as coordinates of a map are: more than ten
-/// times the mesh's size.
+/// Of a mesh file with these bounds. In glTF y is up (2.0, 3.4). In other formats the first of these counts:
+/// - x and y are more than ten times the mesh's size from 0, as on a map: z is up;
+/// - the mesh begins at y = 0 and 0 is in the middle half of its z: it stands on that plane, and y is up; or
+///   the same with y and z exchanged;
+/// - the habit of the programs that write the format: y is up in OBJ and PLY, z in STL.
 MeshUp mesh_up(const std::string& path, const Box3d& bounds);
 
 /// Does the name end as that of a mesh that read_mesh() knows?

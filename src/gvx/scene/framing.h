@@ -32,7 +32,8 @@ struct Outlook {
 /// left, as radiologists are used to.
 Outlook outlook(Stance stance, Side side);
 
-/// From the front, a little above and a little from the side.
+/// From the front, a little above and a little from the side: with y up from +x, since models that do not
+/// face +z mostly face +x, else from -x.
 Outlook standard_outlook(Stance stance);
 
 /// What a camera frames.
