@@ -75,7 +75,7 @@ class BoundsFinder {
 
   template <typename Voxel>
   void join_voxels(const NodeKey& key) {
-    const std::size_t m = tree_.m, edge = m + 2, texels = plane_texels(m);
+    const std::size_t m = tree_.m, border = kBrickBorder, edge = m + 2 * border, texels = plane_texels(m);
     const double voxel = 1 / (nodes_across(static_cast<int>(tree_.n), key.level) * static_cast<double>(m));
     const Vec3d low = static_cast<double>(m) * voxel * corner(key);
     const auto value = [&](std::size_t plane, std::size_t at) {
@@ -88,7 +88,7 @@ class BoundsFinder {
     for (std::size_t z = 0; z < m; ++z) {
       for (std::size_t y = 0; y < m; ++y) {
         for (std::size_t x = 0; x < m; ++x) {
-          const std::size_t at = ((z + 1) * edge + y + 1) * edge + x + 1;
+          const std::size_t at = ((z + border) * edge + y + border) * edge + x + border;
           ChannelRanges ranges;
           bool known = true;
           for (std::uint32_t c = 0; c < channels; ++c) {
