@@ -332,7 +332,7 @@ TEST_F(Outputs, an_empty_picture_says_why) {
     expect_said(kept + "--clip 0,0,0,0.05,0.05,0.05 --mode isosurface --isovalue 200",
                 "no surface of isovalue 200");
   }
-  expect_said("--ambient 0 --diffuse 0 --specular 0", "no light");
+  expect_said("--ambient 0 --diffuse 0 --specular 0 --background 0,0,0", "no light");
   expect_said("--frames 3 --tf high.json && cp a.0001.png a.png; true", "frame 1: nothing can be seen");
   const Outcome seen = gvx("render ball.gvx --size 24x24 -o a.png --quiet");
   EXPECT_EQ(seen.output, "");

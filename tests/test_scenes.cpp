@@ -10,6 +10,7 @@
 #include "gvx/io/store_build.h"
 #include "gvx/io/volume_reader.h"
 #include "gvx/produce/store_producer.h"
+#include "gvx/scene/framing.h"
 #include "gvx/store/pyramid.h"
 #include "gvx/store/store_reader.h"
 
@@ -22,7 +23,7 @@ render::View framed_view(const ReferenceVolume& volume, const scene::TransferFun
   view.height = 120;
   view.functions = {function};
   view.camera =
-      scene::frame_box({{0, 0, 0}, Vec3d(volume.dimensions)}, volume.voxel_to_world, false, 4.0 / 3);
+      scene::frame_box({{0, 0, 0}, Vec3d(volume.dimensions)}, volume.voxel_to_world, false, 4.0 / 3, 0.95);
   view.background = {0.1f, 0.2f, 0.3f};
   return view;
 }

@@ -48,9 +48,10 @@ Status build_from_mesh(const Options& o, const io::StoreBuildOptions& common) {
   options.m = common.m;
   options.codec = common.codec;
   options.memory_bytes = common.memory_bytes;
-  GVX_ASSIGN(const produce::MeshStoreReport report,
-             build_mesh(exec::Device::cpu(o.threads), path, o.output, options, o.mesh.fill()));
-  print_built(o.output, report.dimensions, report.bytes_written);
+  GVX_ASSIGN(const BuiltMesh built,
+             build_mesh(exec::Device::cpu(o.threads), path, o.output, options, o.mesh.fill(), o.mesh.up()));
+  print_built(o.output, built.store.dimensions, built.store.bytes_written);
+  if (!built.note.empty()) std::printf("%s\n", one_line(built.note).c_str());
   return {};
 }
 
@@ -99,7 +100,7 @@ Status build(const Options& o) {
   if (!o.type.empty()) options.type = types.at(o.type);
   GVX_ASSIGN(options.memory_bytes, in_flag("--memory", parse_bytes(o.memory)));
   if (io::is_mesh_name(o.inputs.front())) return build_from_mesh(o, options);
-  if (o.mesh.given()) return Error{o.inputs.front() + ": --resolution and --fill are for meshes"};
+  if (o.mesh.given()) return Error{o.inputs.front() + ": --resolution, --fill and --up are for meshes"};
   options.labels = o.labels;
   GVX_ASSIGN(const auto volume, open_channels(o.inputs, volume_options));
   io::StoreBuildReport report;

@@ -101,6 +101,7 @@ struct MeshScene {
 
 Result<MeshScene> open_mesh(const std::string& path, double margin, produce::TreeDescription tree) {
   GVX_ASSIGN(io::TriangleMesh mesh, io::read_mesh(path));
+  tree.up = io::mesh_up(path, mesh.bounds()).axis;
   produce::PlacedMesh placed = produce::PlacedMesh::in_cube(std::move(mesh), margin);
   tree.tree_to_world = placed.tree_to_world;
   tree.extent = placed.extent;

@@ -75,6 +75,7 @@ Result<nlohmann::json> describe_store(const std::string& path, std::vector<io::V
   j["levels"] = info.shape.levels;
   j["border"] = info.border;
   j["no_data"] = info.no_data;
+  j["up"] = kUpAxisNames[static_cast<std::size_t>(info.up)];
   j["codec"] = store::codec_name(info.codec);
   j["source"] = info.source;
   j["file_bytes"] = std::filesystem::file_size(path, error);
@@ -114,6 +115,7 @@ Result<nlohmann::json> describe_mesh(const std::string& path) {
              produce::spool_mesh(path, folder.empty() ? "." : folder, 1ull << 30,
                                  [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
   const produce::MeshSummary& summary = mesh->summary();
+  const io::MeshUp up = io::mesh_up(path, summary.bounds);
   return nlohmann::json{{"format", "mesh"},
                         {"vertices", summary.vertices},
                         {"triangles", summary.triangles},
@@ -123,6 +125,9 @@ Result<nlohmann::json> describe_mesh(const std::string& path) {
                         {"closed", summary.closed()},
                         {"wound_alike", summary.inside == produce::InsideRule::winding},
                         {"unused", summary.unused},
+                        {"up", kUpAxisNames[static_cast<std::size_t>(up.axis)]},
+                        {"up_guessed", up.guessed},
+                        {"up_why", up.why},
                         {"minimum", list(summary.bounds.minimum)},
                         {"maximum", list(summary.bounds.maximum)}};
 }
@@ -174,6 +179,8 @@ void print(const std::string& path, const nlohmann::json& j) {
     row("surface", !j["closed"] ? "open" : j["wound_alike"] ? "closed" : "closed, faces not wound alike");
     row("from", joined(j["minimum"], ", "));
     row("to", joined(j["maximum"], ", "));
+    row("up", j["up"].get<std::string>() + ", " + j["up_why"].get<std::string>() +
+                  (j["up_guessed"] ? " (--up of render and build says otherwise)" : ""));
     std::string unused;
     for (const std::string what : j["unused"]) unused += (unused.empty() ? "" : ", ") + what;
     if (!unused.empty()) row("not used", unused);
@@ -185,6 +192,7 @@ void print(const std::string& path, const nlohmann::json& j) {
   }
   row("spacing",
       joined(j["spacing"], ", ") + (j["anatomical"] ? " mm, patient space (x right, y front, z up)" : ""));
+  if (j.contains("up") && j["up"] != "z") row("up", j["up"]);
   if (j.contains("frames")) {
     row("frames",
         j["frames"].dump() + ", of which this is " + j["frame"].dump() + " (--time chooses another)");

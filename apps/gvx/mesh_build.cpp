@@ -1,6 +1,7 @@
 #include "mesh_build.h"
 
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,11 @@ void MeshFlags::add_to(CLI::App& command) {
                   "thick; without it solid where the mesh is closed")
       ->check(CLI::IsMember({"solid", "shell"}))
       ->group(group);
+  command
+      .add_option("--up", up_,
+                  "The axis of a mesh that points up: y or z (y for glTF, OBJ and PLY, z for STL)")
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kUpAxisNames), std::end(kUpAxisNames))))
+      ->group(group);
 }
 
 Result<produce::MeshStoreOptions> MeshFlags::parse() const {
@@ -31,6 +37,17 @@ Result<produce::MeshStoreOptions> MeshFlags::parse() const {
 
 MeshFlags::Fill MeshFlags::fill() const {
   return !fill_ ? Fill::automatic : *fill_ == "solid" ? Fill::solid : Fill::shell;
+}
+
+std::optional<UpAxis> MeshFlags::up() const {
+  if (!up_) return std::nullopt;
+  return *up_ == kUpAxisNames[static_cast<std::size_t>(UpAxis::y)] ? UpAxis::y : UpAxis::z;
+}
+
+std::string up_note(const std::string& path, const io::MeshUp& up) {
+  if (!up.guessed) return {};
+  return path + ": " + kUpAxisNames[static_cast<std::size_t>(up.axis)] + " is up, " + up.why +
+         " (--up says otherwise)";
 }
 
 std::string mesh_notes(const produce::MeshSummary& summary, bool solid) {
@@ -59,10 +76,10 @@ std::string mesh_notes(const produce::MeshSummary& summary, bool solid) {
   return text;
 }
 
-Result<produce::MeshStoreReport> build_mesh(const exec::Device& cpu, const std::string& path,
-                                            const std::string& output, produce::MeshStoreOptions options,
-                                            MeshFlags::Fill fill, const std::string& title,
-                                            const std::string& scratch_folder, bool quiet) {
+Result<BuiltMesh> build_mesh(const exec::Device& cpu, const std::string& path, const std::string& output,
+                             produce::MeshStoreOptions options, MeshFlags::Fill fill,
+                             std::optional<UpAxis> up, const std::string& title,
+                             const std::string& scratch_folder, bool quiet) {
   const std::string beside = std::filesystem::path(output).parent_path().string();
   const std::string folder = !scratch_folder.empty() ? scratch_folder : beside.empty() ? "." : beside;
   std::optional<Progress> progress;
@@ -82,13 +99,16 @@ Result<produce::MeshStoreReport> build_mesh(const exec::Device& cpu, const std::
   if (fill == MeshFlags::Fill::solid && !options.solid) {
     return Error{path + ": the mesh is not closed, so it has no inside (--fill shell)"};
   }
+  const io::MeshUp likely = io::mesh_up(path, summary.bounds);
+  options.up = up.value_or(likely.axis);
   options.source = std::filesystem::path(path).filename().string();
   const std::string notes = mesh_notes(summary, options.solid);
   if (!notes.empty()) {
     progress.reset();
     warn(path + ": " + notes);
   }
-  return produce::build_mesh_store(cpu, *mesh, output, options, show);
+  GVX_ASSIGN(const auto report, produce::build_mesh_store(cpu, *mesh, output, options, show));
+  return BuiltMesh{report, up ? "" : up_note(path, likely)};
 }
 
 }  // namespace gvx::app

@@ -8,12 +8,14 @@
 #include <string>
 
 #include "gvx/core/result.h"
+#include "gvx/core/up_axis.h"
 #include "gvx/exec/device.h"
+#include "gvx/io/mesh.h"
 #include "gvx/produce/mesh_voxels.h"
 
 namespace gvx::app {
 
-/// Says what voxels become of a mesh: --resolution, --fill.
+/// Says what voxels become of a mesh: --resolution, --fill, --up.
 class MeshFlags {
  public:
   enum class Fill { automatic, solid, shell };
@@ -21,24 +23,35 @@ class MeshFlags {
   void add_to(CLI::App& command);
   Result<produce::MeshStoreOptions> parse() const;
   Fill fill() const;
+  /// The axis that points up, where that was said.
+  std::optional<UpAxis> up() const;
   /// Was any of them given?
-  bool given() const { return resolution_.has_value() || fill_.has_value(); }
+  bool given() const { return resolution_ || fill_ || up_; }
 
  private:
   std::optional<std::int64_t> resolution_;
-  std::optional<std::string> fill_;
+  std::optional<std::string> fill_, up_;
 };
 
 /// What a user should know of how a mesh was read, without a line end; empty where there is nothing to say.
 /// `solid`: was it filled?
 std::string mesh_notes(const produce::MeshSummary& summary, bool solid);
 
-/// Reads the mesh and writes the store; `fill` says what `options.solid` becomes. Where standard error is a
+/// "bunny.obj: y is up, as in most OBJ files (--up says otherwise)", where that is a guess; else empty.
+std::string up_note(const std::string& path, const io::MeshUp& up);
+
+struct BuiltMesh {
+  produce::MeshStoreReport store;
+  std::string note;  ///< up_note(), unless the axis was said
+};
+
+/// Reads the mesh and writes the store; `fill` says what `options.solid` becomes, and `up`, or a guess, what
+/// `options.up` becomes. Where standard error is a
 /// terminal it says how far it is, behind `title`. Scratch files stand in `scratch_folder`, or beside the
 /// store.
-Result<produce::MeshStoreReport> build_mesh(const exec::Device& cpu, const std::string& path,
-                                            const std::string& output, produce::MeshStoreOptions options,
-                                            MeshFlags::Fill fill, const std::string& title = "",
-                                            const std::string& scratch_folder = "", bool quiet = false);
+Result<BuiltMesh> build_mesh(const exec::Device& cpu, const std::string& path, const std::string& output,
+                             produce::MeshStoreOptions options, MeshFlags::Fill fill,
+                             std::optional<UpAxis> up, const std::string& title = "",
+                             const std::string& scratch_folder = "", bool quiet = false);
 
 }  // namespace gvx::app

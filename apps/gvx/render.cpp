@@ -18,6 +18,7 @@
 #include "gvx/scene/camera_path.h"
 #include "gvx/scene/scene_file.h"
 #include "gvx/scene/transfer_limits.h"
+#include "mesh_build.h"
 #include "messages.h"
 #include "nothing_seen.h"
 #include "open_scene.h"
@@ -319,6 +320,16 @@ Status check_memory(std::uint64_t memory_bytes, const produce::TreeDescription& 
   return sizes.ok() ? Status() : Error{"--" + sizes.error().message};  // which begins with "memory"
 }
 
+/// What was guessed of a mesh's upper side; empty where nothing was.
+std::string guess_of_up(const scene::SceneFile& scene, const produce::TreeDescription& tree) {
+  const std::string file = scene.volume->substr(file_position(*scene.volume));
+  if (scene.up_axis || !io::is_mesh_name(file)) return {};
+  const Box3d box = tree.bounds.value_or(tree.extent);
+  const io::MeshUp up =
+      io::mesh_up(file, {tree.tree_to_world.point(box.minimum), tree.tree_to_world.point(box.maximum)});
+  return up.axis == tree.up ? up_note(file, up) : "";
+}
+
 Status render(const Options& o) {
   std::optional<FrameRange> frames;
   if (!o.frames.empty()) {
@@ -344,6 +355,7 @@ Status render(const Options& o) {
   };
   GVX_ASSIGN(const Scene opened, open_scene({exec::Device::cpu(o.threads), device, o.quiet}, *scene.volume,
                                             volume_options(scene), scene.generate, before_build));
+  const std::string guess = guess_of_up(scene, opened.producer->description());
   GVX_ASSIGN(scene, complete(scene, o.flags, opened));
   GVX_ASSIGN(const auto path, camera_path(scene));
   GVX_ASSIGN(render::View view, make_view(scene, o.flags, opened));
@@ -365,6 +377,7 @@ Status render(const Options& o) {
   GVX_ASSIGN(const engine::Statistics statistics,
              frames ? render_frames(studio, view, *frames, path) : render_still(studio, view));
   if (!o.stats.empty()) GVX_TRY(write_text("--stats", o.stats, to_json(statistics).dump(2) + "\n"));
+  if (!guess.empty() && !o.quiet) std::printf("%s\n", one_line(guess).c_str());
   if (!frames && !o.quiet) {
     report(o.output, view, statistics, device);
     std::printf("--camera '%s'\n", scene::to_text(view.camera).c_str());

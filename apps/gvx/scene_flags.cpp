@@ -62,9 +62,16 @@ void SceneFlags::add_to(CLI::App& command) {
   command
       .add_option(
           "--camera", camera_,
-          "eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees in world space, or height=world for an orthographic "
-          "camera; parts that are left out frame all of the scene, with z up, or y where the view is along z")
+          "eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees in world space, or height=world or height=fit for an "
+          "orthographic camera; the parts that are left out frame the scene")
       ->check(not_empty());
+  command.add_option("--view", view_, "See the scene from this side; not with an eye= of --camera")
+      ->check(CLI::IsMember(
+          std::vector<std::string>(std::begin(scene::kSideNames), std::end(scene::kSideNames))));
+  command
+      .add_option("--up", up_axis_,
+                  "The axis that points up: y or z (y for glTF, OBJ and PLY, z for STL and all other scenes)")
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kUpAxisNames), std::end(kUpAxisNames))));
   one_at_a_time(command.add_option("--key-frame", key_frames_,
                                    "NUMBER:CAMERA, with CAMERA as for --camera; several make a camera path"));
   command.add_option("--mode", mode_, "What a ray shows of the values along it (composite)")
@@ -98,7 +105,10 @@ void SceneFlags::add_to(CLI::App& command) {
   shaded_option_ = command.add_flag("--shaded,!--flat", shaded_, "With or without shading");
   command.add_option("--clip", clip_, "Show only this box, X0,Y0,Z0,X1,Y1,Z1 in fractions of the volume's")
       ->check(not_empty());
-  command.add_option("--background", background_, "Red,green,blue, 0 to 1 (0,0,0)")->check(not_empty());
+  command
+      .add_option("--background", background_,
+                  "Red,green,blue, 0 to 1 (0.13,0.16,0.2; black for projections)")
+      ->check(not_empty());
   transparent_option_ = command.add_flag("--transparent,!--opaque", transparent_,
                                          "Keep the picture's alpha instead of a background");
   finest_option_ = command.add_flag("--finest,!--level-of-detail", finest_,
@@ -132,6 +142,7 @@ void SceneFlags::add_generate_to(CLI::App& command) {
 
 Status SceneFlags::apply(scene::SceneFile& scene) const {
   if (!volume_.empty()) scene.volume = volume_;
+  if (const auto axis = index_of(kUpAxisNames, up_axis_)) scene.up_axis = static_cast<UpAxis>(*axis);
   GVX_TRY(apply_volume(scene));
   apply_generate(scene.generate);
   if (!size_.empty()) {
@@ -140,7 +151,7 @@ Status SceneFlags::apply(scene::SceneFile& scene) const {
     scene.height = size.height;
   }
   if (antialias_) scene.antialias = antialias_;
-  if (!camera_.empty() || !key_frames_.empty()) scene.camera_path.clear();
+  if (!camera_.empty() || !view_.empty() || !key_frames_.empty()) scene.camera_path.clear();
   if (const auto mode = index_of(scene::kModeNames, mode_)) scene.mode = static_cast<scene::Mode>(*mode);
   if (isovalue_) scene.isovalue = isovalue_;
   if (const auto how = index_of(scene::kClassificationNames, classification_)) {
@@ -210,7 +221,10 @@ Result<scene::CameraParts> SceneFlags::camera() const {
   auto camera = scene::parse_camera_parts(camera_);
   // Its errors begin with the flag's name but for the dashes.
   if (!camera.ok()) return Error{"--" + camera.error().message};
-  return camera;
+  scene::CameraParts parts = camera.value();
+  if (const auto side = index_of(scene::kSideNames, view_)) parts.view = static_cast<scene::Side>(*side);
+  if (parts.view && parts.eye) return Error{"--view " + view_ + ": expected no eye in --camera, found one"};
+  return parts;
 }
 
 Result<std::vector<scene::KeyFrameParts>> SceneFlags::key_frames() const {
@@ -222,6 +236,7 @@ Result<std::vector<scene::KeyFrameParts>> SceneFlags::key_frames() const {
       return Error{"--key-frame: '" + text + "' is not NUMBER:CAMERA"};
     }
     GVX_ASSIGN(const scene::CameraParts camera, in_flag("--key-frame", scene::parse_camera_parts(parts[1])));
+    if (camera.fit_height) return Error{"--key-frame: '" + text + "': height must be a number"};
     keys.push_back({*frame, camera});
   }
   return keys;

@@ -23,7 +23,7 @@ class SceneFlags {
 
   // What is laid over what depends on the volume.
 
-  /// What --camera says.
+  /// What --view and --camera say.
   Result<scene::CameraParts> camera() const;
   /// --key-frame; none where none is given.
   Result<std::vector<scene::KeyFrameParts>> key_frames() const;
@@ -41,7 +41,8 @@ class SceneFlags {
   void add_generate_to(CLI::App& command);
   void apply_generate(scene::GenerateParts& parts) const;
 
-  std::string volume_, size_, camera_, mode_, classification_, clip_, background_, gradients_;
+  std::string volume_, up_axis_, size_, camera_, view_, mode_, classification_, clip_, background_,
+      gradients_;
   std::vector<std::string> key_frames_, functions_, lights_;
   std::optional<std::uint32_t> antialias_;
   std::optional<double> isovalue_, ambient_, diffuse_, specular_, shininess_, samples_, detail_;

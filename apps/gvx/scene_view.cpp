@@ -8,14 +8,27 @@
 
 #include "built_in_scenes.h"
 #include "command_line.h"
+#include "gvx/engine/engine.h"
 #include "gvx/io/transfer_function_file.h"
 #include "gvx/render/frame.h"
 #include "gvx/scene/camera_path.h"
+#include "gvx/scene/framing.h"
+#include "visible_bounds.h"
 
 namespace gvx::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Behind what is composited, dark enough for haze and light enough for what is in shadow; projections have
+/// black, which is their least value.
+constexpr Vec3d kBackground{0.13, 0.16, 0.20};
+/// Of isosurfaces: ivory.
+constexpr Vec3d kSurfaceColor{0.98, 0.91, 0.80};
+
+bool is_projection(scene::Mode mode) {
+  return mode != scene::Mode::composite && mode != scene::Mode::isosurface;
+}
 
 bool is_preset(const std::string& name) {
   const auto names = scene::preset_names();
@@ -73,8 +86,10 @@ Result<std::vector<scene::FunctionParts>> complete_functions(const scene::SceneF
   GVX_TRY(check_functions(scene, flags, tree.format));
   std::vector<scene::FunctionParts> functions = scene.functions;
   if (tree.format.content != VoxelContent::scalar) return functions;
-  const bool projection = *scene.mode != scene::Mode::composite && *scene.mode != scene::Mode::isosurface;
-  if (functions.empty() && projection) functions.push_back({.from = "ramp"});
+  if (functions.empty() && is_projection(*scene.mode)) functions.push_back({.from = "ramp"});
+  if (functions.empty() && *scene.mode == scene::Mode::isosurface) {
+    functions.push_back({.from = "", .colors = {{0, kSurfaceColor}}, .opacities = {{0, 1}}});
+  }
   if (functions.empty()) {
     functions.push_back({.from = opened.preset, .colors = opened.colors, .opacities = opened.opacities});
   }
@@ -122,26 +137,63 @@ Status check_function_files(const scene::SceneFile& scene, const SceneFlags& fla
   return {};
 }
 
-/// The camera of a scene and of --camera over `base`, and whether either says what is up.
+/// What cameras frame where nothing is known of the volume.
+const scene::Framing kAnyFraming{{{0, 0, 0}, {1, 1, 1}}, {}, scene::Stance::z_up, 1};
+
+/// In tree space, what can be seen of a scene that is complete but for its camera.
+Result<Box3d> visible_box(const scene::SceneFile& scene, const SceneFlags& flags, const Scene& opened) {
+  const produce::TreeDescription& tree = opened.producer->description();
+  const Vec3d corner = tree.extent.minimum, size = tree.extent.maximum - tree.extent.minimum;
+  const Box3d all = tree.bounds.value_or(tree.extent);
+  const Box3d shown =
+      intersect(all, Box3d{corner + scene.clip->minimum * size, corner + scene.clip->maximum * size});
+  if (shown.empty()) return all;
+  // What is made, not stored, tells less than what it will be.
+  if (tree.bounds || !tree.exact_ranges || is_projection(*scene.mode)) return shown;
+  scene::SceneFile seen_somehow = scene;
+  seen_somehow.camera = scene::CameraParts(scene::Camera());
+  GVX_ASSIGN(const render::View view, make_view(seen_somehow, flags, opened));
+  GVX_ASSIGN(const auto frame, render::Frame::make(exec::Device::cpu(1), view, engine::placement_of(tree)));
+  return visible_bounds(*opened.producer, frame.view().visibility, shown);
+}
+
+/// Of a scene that is complete but for its camera.
+Result<scene::Framing> framing_of(const scene::SceneFile& scene, const SceneFlags& flags,
+                                  const Scene& opened) {
+  const produce::TreeDescription& tree = opened.producer->description();
+  scene::Framing framing;
+  GVX_ASSIGN(framing.box, visible_box(scene, flags, opened));
+  framing.box_to_world = tree.tree_to_world;
+  framing.stance =
+      scene.up_axis ? scene::stance_of(*scene.up_axis, false) : scene::stance_of(tree.up, tree.anatomical);
+  framing.aspect = double(*scene.width) / double(*scene.height);
+  return framing;
+}
+
+/// The camera of a scene and of the flags over it, and what of it was said.
 struct StatedCamera {
   scene::Camera camera;
-  bool has_up = false;
-  bool has_place = false;  ///< eye and target: nothing of `base` matters
+  Vec3d up;                ///< before another was chosen that does not point along the view
+  bool has_up = false;     ///< was it given?
+  bool has_place = false;  ///< eye and target: the framing does not matter
 };
 
 Result<StatedCamera> stated_camera(const scene::SceneFile& scene, const SceneFlags& flags,
-                                   const scene::Camera& base) {
+                                   const scene::Framing& framing) {
   GVX_ASSIGN(const scene::CameraParts typed, flags.camera());
-  const scene::CameraParts& written = scene.camera;
-  const bool has_target = typed.target || typed.origin || written.target || written.origin;
-  return StatedCamera{typed.over(written.over(base)), typed.up || written.up,
-                      (typed.eye || written.eye) && has_target};
+  const scene::CameraParts parts = typed.laid_over(scene.camera);
+  if (parts.up && !(length(*parts.up) > 0)) return Error{"camera: up: expected a direction, found 0,0,0"};
+  return StatedCamera{scene::complete_camera(parts, framing),
+                      parts.up.value_or(scene::standard_outlook(framing.stance).up), parts.up.has_value(),
+                      parts.eye && (parts.target || parts.origin)};
 }
 
 /// The camera of a key frame: what it leaves out is that of all of them.
 scene::Camera key_camera(const scene::KeyFrameParts& key, const StatedCamera& all) {
-  const scene::Camera camera = key.camera.over(all.camera);
-  return key.camera.up || all.has_up ? camera : scene::with_fitting_up(camera);
+  scene::Camera camera = key.camera.over(all.camera);
+  if (key.camera.up || all.has_up) return camera;
+  camera.up = all.up;
+  return scene::with_fitting_up(camera);
 }
 
 Status check_view(const scene::Camera& camera) {
@@ -152,13 +204,10 @@ Status check_view(const scene::Camera& camera) {
 
 /// What of the camera and its path can be told before a volume says what else is to be framed.
 Status check_cameras(const scene::SceneFile& scene, const SceneFlags& flags) {
-  GVX_ASSIGN(StatedCamera stated, stated_camera(scene, flags, {}));
+  GVX_ASSIGN(const StatedCamera stated, stated_camera(scene, flags, kAnyFraming));
   GVX_ASSIGN(auto keys, flags.key_frames());
   if (keys.empty()) keys = scene.camera_path;
-  if (keys.empty()) {
-    if (!stated.has_up) stated.camera = scene::with_fitting_up(stated.camera);
-    return stated.has_place ? check_view(stated.camera) : Status();
-  }
+  if (keys.empty()) return stated.has_place ? check_view(stated.camera) : Status();
   std::vector<scene::KeyFrame> path;
   for (const scene::KeyFrameParts& key : keys) {
     scene::Camera camera = key_camera(key, stated);
@@ -173,6 +222,19 @@ Status check_cameras(const scene::SceneFile& scene, const SceneFlags& flags) {
   }
   GVX_ASSIGN(const auto checked, scene::CameraPath::create(std::move(path)));
   (void)checked;
+  return {};
+}
+
+/// The last step of complete().
+Status complete_cameras(scene::SceneFile& scene, const SceneFlags& flags, const Scene& opened) {
+  GVX_ASSIGN(const scene::Framing framing, framing_of(scene, flags, opened));
+  GVX_ASSIGN(const StatedCamera stated, stated_camera(scene, flags, framing));
+  GVX_ASSIGN(const auto key_frames, flags.key_frames());
+  if (!key_frames.empty()) scene.camera_path = key_frames;
+  for (scene::KeyFrameParts& key : scene.camera_path)
+    key.camera = scene::CameraParts(key_camera(key, stated));
+  if (scene.camera_path.empty()) GVX_TRY(check_view(stated.camera));
+  scene.camera = scene::CameraParts(stated.camera);
   return {};
 }
 
@@ -214,16 +276,6 @@ Result<scene::SceneFile> complete(scene::SceneFile scene, const SceneFlags& flag
   if (!scene.width) scene.width = standard.width;
   if (!scene.height) scene.height = standard.height;
   if (!scene.antialias) scene.antialias = standard.antialias;
-  const scene::Camera framed = scene::frame_box(tree.extent, tree.tree_to_world, tree.anatomical,
-                                                double(*scene.width) / double(*scene.height));
-  GVX_ASSIGN(const StatedCamera stated, stated_camera(scene, flags, framed));
-  GVX_ASSIGN(const auto key_frames, flags.key_frames());
-  if (!key_frames.empty()) scene.camera_path = key_frames;
-  for (scene::KeyFrameParts& key : scene.camera_path)
-    key.camera = scene::CameraParts(key_camera(key, stated));
-  const scene::Camera camera = stated.has_up ? stated.camera : scene::with_fitting_up(stated.camera);
-  if (scene.camera_path.empty()) GVX_TRY(check_view(camera));
-  scene.camera = scene::CameraParts(camera);
   if (!scene.mode) scene.mode = standard.mode;
   if (!scene.classification) scene.classification = standard.classification;
   GVX_TRY(check_mode(scene, flags));
@@ -236,11 +288,12 @@ Result<scene::SceneFile> complete(scene::SceneFile scene, const SceneFlags& flag
   GVX_ASSIGN(scene.functions, complete_functions(scene, flags, opened));
   scene.lighting = scene::LightingParts(scene.lighting.over(standard.lighting));
   if (!scene.clip) scene.clip = standard.clip;
-  if (!scene.background) scene.background = Vec3d(standard.background);
+  if (!scene.background) scene.background = is_projection(*scene.mode) ? Vec3d() : kBackground;
   if (!scene.transparent) scene.transparent = !standard.opaque_background;
   if (!scene.samples) scene.samples = standard.samples_per_voxel;
   if (!scene.detail) scene.detail = standard.detail;
   if (!scene.finest) scene.finest = !standard.level_of_detail;
+  GVX_TRY(complete_cameras(scene, flags, opened));
   return scene;
 }
 

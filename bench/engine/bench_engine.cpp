@@ -24,6 +24,7 @@
 
 #include "gvx/engine/engine.h"
 #include "gvx/produce/store_producer.h"
+#include "gvx/scene/framing.h"
 #include "gvx/store/store_reader.h"
 
 namespace {
@@ -214,8 +215,8 @@ int main(int argc, char** argv) {
   view.width = argc > 3 ? static_cast<std::uint32_t>(std::atoi(argv[2])) : 640;
   view.height = argc > 3 ? static_cast<std::uint32_t>(std::atoi(argv[3])) : 480;
   const double budget_ms = argc > 4 ? std::atof(argv[4]) : 33;
-  view.camera =
-      scene::frame_box(tree.extent, tree.tree_to_world, tree.anatomical, double(view.width) / view.height);
+  view.camera = scene::frame_box(tree.extent, tree.tree_to_world, tree.anatomical,
+                                 double(view.width) / view.height, 0.95);
   const scene::ValueStatistics statistics =
       scene::physical_statistics(tree.ranges.channel[0], tree.histograms[0], tree.scale, tree.offset);
   view.functions = {scene::preset(scene::suggest_preset(statistics), statistics).value()};

@@ -19,6 +19,7 @@
 #include "gvx/engine/engine.h"
 #include "gvx/produce/store_producer.h"
 #include "gvx/render/stretch_batch.h"
+#include "gvx/scene/framing.h"
 #include "gvx/store/store_reader.h"
 
 namespace {
@@ -128,7 +129,7 @@ int main(int argc, char** argv) {
   scene::TransferFunction surface = translucent(first, last);
   surface.opacities = {{middle, 0}, {middle + 0.02 * (last - first), 0.9}};
   Roof roof(tree.format, range, static_cast<std::uint32_t>(tree.m));
-  const scene::Camera framed = scene::frame_box(tree.extent, tree.tree_to_world, tree.anatomical, 1);
+  const scene::Camera framed = scene::frame_box(tree.extent, tree.tree_to_world, tree.anatomical, 1, 0.95);
   std::printf(
       "| function | light | roof, M samples/s | frame, ms | M samples | M samples/s | share "
       "|\n|---|---|---|---|---|---|---|\n");

@@ -19,6 +19,7 @@
 #include "gvx/engine/engine.h"
 #include "gvx/produce/store_producer.h"
 #include "gvx/scene/camera_path.h"
+#include "gvx/scene/framing.h"
 #include "gvx/store/store_reader.h"
 
 namespace {
@@ -54,8 +55,8 @@ render::View base_view(const produce::TreeDescription& tree, std::uint32_t width
   render::View view;
   view.width = width;
   view.height = height;
-  view.camera =
-      scene::frame_box(tree.extent, tree.tree_to_world, tree.anatomical, double(width) / double(height));
+  view.camera = scene::frame_box(tree.extent, tree.tree_to_world, tree.anatomical,
+                                 double(width) / double(height), 0.95);
   view.functions = {{{{60, {0.8, 0.6, 0.4}}, {250, {0.9, 0.75, 0.55}}}, {{60, 0}, {100, 0.95}}, 0}};
   return view;
 }

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "gvx/produce/store_producer.h"
+#include "gvx/scene/framing.h"
 #include "gvx/store/store_reader.h"
 #include "scenes.h"
 
@@ -22,8 +23,8 @@ double distance(const scene::Camera& camera) {
 render::View base_view(const Volume& volume, const scene::TransferFunction& function) {
   render::View view;
   view.functions = {function};
-  view.camera =
-      scene::frame_box(volume.dense->extent(), volume.dense->voxel_to_world(), volume.dense->anatomical(), 1);
+  view.camera = scene::frame_box(volume.dense->extent(), volume.dense->voxel_to_world(),
+                                 volume.dense->anatomical(), 1, 0.95);
   return view;
 }
 

@@ -17,15 +17,19 @@ namespace {
 
 struct MeshFormat {
   const char* ending;
+  const char* name;
+  UpAxis up;
   Status (*stream)(const std::string& path, MeshSink& sink, const MeshProgress& progress);
 };
 
-constexpr std::array<MeshFormat, 6> kFormats = {{{".ply", stream_ply},
-                                                 {".ply.gz", stream_ply},
-                                                 {".obj", stream_obj},
-                                                 {".stl", stream_stl},
-                                                 {".gltf", stream_gltf},
-                                                 {".glb", stream_gltf}}};
+constexpr const char* kGltf = "glTF";
+
+constexpr std::array<MeshFormat, 6> kFormats = {{{".ply", "PLY", UpAxis::y, stream_ply},
+                                                 {".ply.gz", "PLY", UpAxis::y, stream_ply},
+                                                 {".obj", "OBJ", UpAxis::y, stream_obj},
+                                                 {".stl", "STL", UpAxis::z, stream_stl},
+                                                 {".gltf", kGltf, UpAxis::y, stream_gltf},
+                                                 {".glb", kGltf, UpAxis::y, stream_gltf}}};
 
 const MeshFormat* format_of(const std::string& path) {
   const std::string name = lower_case(path);
@@ -148,6 +152,27 @@ Box3d TriangleMesh::bounds() const {
     }
   }
   return box;
+}
+
+MeshUp mesh_up(const std::string& path, const Box3d& bounds) {
+  const MeshFormat* format = format_of(path);
+  if (format == nullptr) return {UpAxis::z, true, "as its format is not known"};
+  if (format->name == kGltf) return {UpAxis::y, false, "by the specification of glTF"};
+  // In the mesh's sizes: of a map's coordinates from 0, and of what stands on a plane from it.
+  constexpr double kFar = 10, kLow = 1.0 / 30;
+  const double size = max_component(bounds.maximum - bounds.minimum);
+  const auto is_far = [&](int axis) {
+    return std::max(bounds.minimum[axis], -bounds.maximum[axis]) > kFar * size;
+  };
+  const auto stands_on = [&](int up, int other) {
+    const double depth = bounds.maximum[other] - bounds.minimum[other];
+    const bool middle = -bounds.minimum[other] > depth / 4 && bounds.maximum[other] > depth / 4;
+    return std::fabs(bounds.minimum[up]) <= kLow * size && bounds.maximum[up] > kLow * size && middle;
+  };
+  if (is_far(0) && is_far(1)) return {UpAxis::z, true, "as its coordinates are as far from 0 as a map's"};
+  if (stands_on(1, 2)) return {UpAxis::y, true, "as it stands on y = 0"};
+  if (stands_on(2, 1)) return {UpAxis::z, true, "as it stands on z = 0"};
+  return {format->up, true, std::string("as in most ") + format->name + " files"};
 }
 
 bool is_mesh_name(const std::string& path) {

@@ -11,6 +11,7 @@
 
 #include "gvx/core/ray.h"
 #include "gvx/core/result.h"
+#include "gvx/core/up_axis.h"
 #include "gvx/core/vec.h"
 
 namespace gvx::io {
@@ -76,6 +77,20 @@ Result<TriangleMesh> read_mesh(const std::string& path, MeshReport* report = nul
 
 /// The error for a file of which no triangle is left, after `dropped` were left out.
 Error no_triangle(const std::string& path, std::uint64_t dropped);
+
+/// Which axis of a mesh points up, and why that is so or likely: "as in most STL files".
+struct MeshUp {
+  UpAxis axis = UpAxis::z;
+  bool guessed = true;  ///< glTF alone says it
+  std::string why;
+};
+
+/// Of a mesh file with these bounds. In glTF y is up (2.0, 3.4). In other formats the first of these counts:
+/// - x and y are more than ten times the mesh's size from 0, as on a map: z is up;
+/// - the mesh begins at y = 0 and 0 is in the middle half of its z: it stands on that plane, and y is up; or
+///   the same with y and z exchanged;
+/// - the habit of the programs that write the format: y is up in OBJ and PLY, z in STL.
+MeshUp mesh_up(const std::string& path, const Box3d& bounds);
 
 /// Does the name end as that of a mesh that read_mesh() knows?
 bool is_mesh_name(const std::string& path);

@@ -89,6 +89,32 @@ TEST(Mesh, triangles_that_cover_nothing_are_dropped_and_counted) {
   EXPECT_EQ(report.dropped, 2u);
 }
 
+TEST(Mesh, the_axis_that_points_up_is_that_of_gltf_or_a_guess) {
+  const Box3d near{{-1, -2, 1}, {3, 2, 5}}, map{{5e5, 5.4e6, 300}, {5e5 + 40, 5.4e6 + 30, 340}},
+      south{{5e5, -5.4e6, 300}, {5e5 + 40, -5.4e6 + 30, 340}}, aside{{400, 0, 0}, {401, 1, 1}};
+  for (const char* file : {"a.ply", "a.PLY.gz", "a.obj"}) {
+    EXPECT_EQ(mesh_up(file, near).axis, UpAxis::y) << file;
+    EXPECT_EQ(mesh_up(file, aside).axis, UpAxis::y) << file;
+    EXPECT_EQ(mesh_up(file, map).axis, UpAxis::z) << file;
+    EXPECT_EQ(mesh_up(file, south).axis, UpAxis::z) << file;
+    EXPECT_TRUE(mesh_up(file, near).guessed) << file;
+  }
+  const Box3d on_y{{-1, 0, -1}, {1, 3, 1}}, on_z{{-1, -1, -0.001}, {1, 1, 3}};
+  for (const char* file : {"a.ply", "a.obj", "a.stl"}) {
+    EXPECT_EQ(mesh_up(file, on_y).axis, UpAxis::y) << file;
+    EXPECT_EQ(mesh_up(file, on_z).axis, UpAxis::z) << file;
+  }
+  EXPECT_EQ(mesh_up("a.obj", on_z).why, "as it stands on z = 0");
+  EXPECT_EQ(mesh_up("a.ply", {{0, 0, 0}, {1, 1, 1}}).axis, UpAxis::y);
+  EXPECT_EQ(mesh_up("a.stl", {{0, 0, 0}, {1, 1, 1}}).axis, UpAxis::z);
+  EXPECT_EQ(mesh_up("a.stl", near).axis, UpAxis::z);
+  EXPECT_EQ(mesh_up("a.stl", near).why, "as in most STL files");
+  for (const char* file : {"a.gltf", "a.glb"}) {
+    EXPECT_EQ(mesh_up(file, map).axis, UpAxis::y) << file;
+    EXPECT_FALSE(mesh_up(file, map).guessed) << file;
+  }
+}
+
 TEST(Mesh, what_is_no_mesh_is_an_error_that_names_the_file) {
   for (const auto& [name, text] :
        {std::pair<std::string, std::string>{"empty.ply", ""},

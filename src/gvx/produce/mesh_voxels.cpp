@@ -244,6 +244,9 @@ Result<MeshStoreReport> build_mesh_store(const exec::Device& cpu, const MeshSpoo
   info.source = options.source;
   info.voxel_to_world = scaling(Vec3d(voxel));
   info.voxel_to_world.origin = box.minimum - Vec3d(static_cast<double>(kMargin) * voxel);
+  info.up = options.up;
+  const Vec3d margin(static_cast<double>(kMargin));
+  info.bounds = Box3d{margin, margin + (box.maximum - box.minimum) / voxel};
 
   const std::uint64_t slice =
       store::saturating_product(static_cast<std::uint64_t>(dimensions.x * dimensions.y), sizeof(Voxel));

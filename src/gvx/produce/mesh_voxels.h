@@ -8,6 +8,7 @@
 #include <string>
 
 #include "gvx/core/result.h"
+#include "gvx/core/up_axis.h"
 #include "gvx/exec/device.h"
 #include "gvx/produce/mesh_slabs.h"
 #include "gvx/produce/mesh_spool.h"
@@ -20,8 +21,9 @@ struct MeshStoreOptions {
   /// What is inside is opaque; needs a mesh that is closed. Else the surface is made one and a half
   /// voxels thick.
   bool solid = false;
-  std::uint32_t n = 2;   ///< children along an axis of a node: 2 or 3
-  std::uint32_t m = 16;  ///< voxels along an axis of a brick: 8, 16 or 32
+  UpAxis up = UpAxis::z;  ///< of the mesh
+  std::uint32_t n = 2;    ///< children along an axis of a node: 2 or 3
+  std::uint32_t m = 16;   ///< voxels along an axis of a brick: 8, 16 or 32
   store::Codec codec = store::Codec::zstd;
   std::uint64_t memory_bytes = 2ull << 30;  ///< bound of what the build holds at once
   std::string source;                       ///< the file's name, for the store and for errors

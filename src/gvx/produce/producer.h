@@ -15,6 +15,7 @@
 #include "gvx/core/node_key.h"
 #include "gvx/core/ray.h"
 #include "gvx/core/result.h"
+#include "gvx/core/up_axis.h"
 #include "gvx/core/voxel.h"
 #include "gvx/exec/device.h"
 #include "gvx/tree/node_pool.h"
@@ -30,11 +31,14 @@ struct TreeDescription {
   VoxelFormat format;
   Affine3 tree_to_world;
   Box3d extent{{0, 0, 0}, {1, 1, 1}};  ///< the part of tree space that holds the volume
-  bool anatomical = false;             ///< world is millimetres: x right, y to the front, z up
-  double scale = 1, offset = 0;        ///< physical value = scale * stored value + offset
-  ChannelRanges ranges;                ///< of all stored values
-  float beyond_ranges = 0;             ///< how far voxels that are made may lie outside of these
-  bool no_data = false;                ///< f32 voxels may be NaN: no data, which is transparent
+  /// The part of the extent that is not empty, where that is known: what cameras frame.
+  std::optional<Box3d> bounds = {};
+  bool anatomical = false;       ///< world is millimetres: x right, y to the front, z up
+  UpAxis up = UpAxis::z;         ///< the axis of the world that points up
+  double scale = 1, offset = 0;  ///< physical value = scale * stored value + offset
+  ChannelRanges ranges;          ///< of all stored values
+  float beyond_ranges = 0;       ///< how far voxels that are made may lie outside of these
+  bool no_data = false;          ///< f32 voxels may be NaN: no data, which is transparent
   /// For each channel: counts of voxels in equal bins over its range. May be empty.
   std::vector<std::vector<std::uint64_t>> histograms;
   /// describe() returns exact ranges. If not, the engine looks for finest bricks that are constant after all.

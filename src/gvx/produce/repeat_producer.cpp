@@ -25,6 +25,7 @@ RepeatProducer::RepeatProducer(std::shared_ptr<const Producer> volume, std::uint
     : volume_(std::move(volume)), levels_(levels), description_(volume_->description()) {
   const double copies = nodes_across(2, levels_);
   const Box3d one = description_.extent;
+  description_.bounds.reset();
   description_.max_level += levels_;
   description_.tree_to_world = description_.tree_to_world * scaling(Vec3d(copies));
   description_.extent = {one.minimum / copies, Vec3d(1) - (Vec3d(1) - one.maximum) / copies};

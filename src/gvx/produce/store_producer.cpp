@@ -15,7 +15,9 @@ StoreProducer::StoreProducer(std::unique_ptr<store::StoreReader> reader) : reade
   description_.exact_ranges = true;
   description_.tree_to_world = info.voxel_to_world * scaling(Vec3d(cube));
   description_.extent = {{0, 0, 0}, Vec3d(info.shape.dimensions) / cube};
+  if (info.bounds) description_.bounds = Box3d{info.bounds->minimum / cube, info.bounds->maximum / cube};
   description_.anatomical = info.anatomical;
+  description_.up = info.up;
   description_.scale = info.scale;
   description_.offset = info.offset;
   description_.ranges = info.ranges;

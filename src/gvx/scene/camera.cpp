@@ -15,8 +15,9 @@ namespace {
 constexpr double kRadians = std::numbers::pi / 180;
 
 Error bad_camera(const std::string& what) {
-  return Error{"camera: " + what +
-               "; expected origin=x,y,z;eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees (or height=world)"};
+  return Error{
+      "camera: " + what +
+      "; expected origin=x,y,z;eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees (or height=world, height=fit)"};
 }
 
 Result<double> parse_number(std::string_view text) {
@@ -109,6 +110,27 @@ Camera CameraParts::over(const Camera& base) const {
   return camera;
 }
 
+CameraParts CameraParts::laid_over(const CameraParts& under) const {
+  CameraParts parts = under;
+  if (origin) {
+    if (under.eye) parts.eye = Vec3d(under.origin.value_or(Vec3dd()) + Vec3dd(*under.eye) - *origin);
+    parts.target.reset();
+    parts.origin = origin;
+  }
+  if (eye || view) {
+    parts.eye = eye;
+    parts.view = view;
+  }
+  if (target) parts.target = target;
+  if (up) parts.up = up;
+  if (fov_degrees || height_world || fit_height) {
+    parts.fov_degrees = fov_degrees;
+    parts.height_world = height_world;
+    parts.fit_height = fit_height;
+  }
+  return parts;
+}
+
 Camera with_fitting_up(Camera camera) {
   for (const Vec3d up : {camera.up, Vec3d(0, 1, 0), Vec3d(0, 0, 1)}) {
     camera.up = up;
@@ -150,10 +172,14 @@ Result<CameraParts> parse_camera_parts(const std::string& text) {
       GVX_ASSIGN(camera.fov_degrees, parse_number(value));
       if (!sound_angle(*camera.fov_degrees)) return bad_angle();
       camera.height_world.reset();
+      camera.fit_height = false;
     } else if (name == "height") {
+      camera.fit_height = value == "fit";
+      camera.height_world.reset();
+      camera.fov_degrees.reset();
+      if (camera.fit_height) continue;
       GVX_ASSIGN(camera.height_world, parse_number(value));
       if (!(*camera.height_world > 0)) return bad_camera("height must be above 0");
-      camera.fov_degrees.reset();
     } else {
       return bad_camera("unknown part '" + std::string(name) + "'");
     }
@@ -163,31 +189,11 @@ Result<CameraParts> parse_camera_parts(const std::string& text) {
 
 Result<Camera> parse_camera(const std::string& text, const Camera& defaults) {
   GVX_ASSIGN(const CameraParts parts, parse_camera_parts(text));
+  if (parts.fit_height) return bad_camera("there is nothing that height=fit could frame");
   Camera camera = parts.over(defaults);
   if (!parts.up) camera = with_fitting_up(camera);
   GVX_ASSIGN(const CameraView checked, make_view(camera, 1, 1));
   (void)checked;
-  return camera;
-}
-
-Camera frame_box(const Box3d& extent, const Affine3& extent_to_world, bool anatomical, double aspect) {
-  Camera camera;
-  const Vec3d to_eye = normalize(anatomical ? Vec3d{-0.42, 1, 0.22} : Vec3d{-0.45, -1, 0.35});
-  camera.up = {0, 0, 1};
-  camera.target = extent_to_world.point(0.5 * (extent.minimum + extent.maximum));
-  // The distance from which every corner is within the picture, with a margin of a twentieth.
-  const Vec3d right = normalize(cross(-to_eye, camera.up)), up = cross(right, -to_eye);
-  const double tangent = std::tan(camera.fov_degrees / 2 * kRadians) * 0.95;
-  double distance = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3d p{corner & 1 ? extent.maximum.x : extent.minimum.x,
-                  corner & 2 ? extent.maximum.y : extent.minimum.y,
-                  corner & 4 ? extent.maximum.z : extent.minimum.z};
-    const Vec3d d = extent_to_world.point(p) - camera.target;
-    const double across = std::max(std::abs(dot(d, up)), std::abs(dot(d, right)) / aspect);
-    distance = std::max(distance, dot(d, to_eye) + across / tangent);
-  }
-  camera.eye = camera.target + distance * to_eye;
   return camera;
 }
 

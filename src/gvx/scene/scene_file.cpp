@@ -96,14 +96,18 @@ CameraParts read_camera_fields(JsonFields& fields, const std::string& place) {
   camera.target = vector_of(fields.row("target", three(kAny)));
   camera.up = vector_of(fields.row("up", three(kAny)));
   camera.fov_degrees = fields.number("fov", kFieldOfView);
-  camera.height_world = fields.number("height", kAboveZero);
-  if (camera.fov_degrees && camera.height_world) fields.fail(place, "fov or height", "both");
+  const Json* height = fields.any("height");
+  camera.fit_height = height != nullptr && *height == "fit";
+  if (!camera.fit_height) camera.height_world = fields.number("height", kAboveZero);
+  if (camera.fov_degrees && height != nullptr) fields.fail(place, "fov or height", "both");
   return camera;
 }
 
 Result<CameraParts> read_camera(const Json& object, const std::string& place) {
   JsonFields fields(object, place);
-  const CameraParts camera = read_camera_fields(fields, place);
+  CameraParts camera = read_camera_fields(fields, place);
+  if (const auto view = fields.choice("view", kSideNames)) camera.view = static_cast<Side>(*view);
+  if (camera.view && camera.eye) fields.fail(place, "view or eye", "both");
   GVX_TRY(fields.finish());
   return camera;
 }
@@ -114,6 +118,7 @@ Result<KeyFrameParts> read_key_frame(const Json& object, const std::string& plac
   const auto frame = fields.number("frame", kAny);
   if (frame) key.frame = *frame;
   key.camera = read_camera_fields(fields, place);
+  if (key.camera.fit_height) fields.fail(fields.place_of("height"), kAboveZero.text(), "'fit'");
   GVX_TRY(fields.finish());
   if (!frame) return field_error(place + ".frame", "a number", "nothing");
   return key;
@@ -221,6 +226,7 @@ Result<SceneFile> read_document(const Json& document) {
   JsonFields fields(document, "");
   SceneFile scene;
   scene.volume = fields.text("volume");
+  if (const auto up = fields.choice("upAxis", kUpAxisNames)) scene.up_axis = static_cast<UpAxis>(*up);
   read_object(fields, "raw", scene.raw, read_raw);
   scene.series = fields.text("series");
   if (const auto time = fields.number("time", kFrames)) scene.time = static_cast<std::int64_t>(*time);

@@ -11,6 +11,7 @@
 
 #include "gvx/core/ray.h"
 #include "gvx/core/result.h"
+#include "gvx/core/up_axis.h"
 #include "gvx/core/vec.h"
 #include "gvx/scene/camera_parts.h"
 #include "gvx/scene/camera_path.h"
@@ -84,6 +85,7 @@ struct LightingParts {
 /// Plain data, as written: names of files are as seen from the scene file's folder.
 struct SceneFile {
   std::optional<std::string> volume;
+  std::optional<UpAxis> up_axis;  ///< of the volume's world; a patient's too
   RawParts raw;
   std::optional<std::string> series;  ///< of a folder of DICOM files: its number or UID
   std::optional<std::int64_t> time;   ///< frame of a volume that changes with time

@@ -66,6 +66,8 @@ void put_camera(Json& object, const CameraParts& camera) {
   put(object, "up", camera.up);
   put(object, "fov", camera.fov_degrees);
   put(object, "height", camera.height_world);
+  if (camera.fit_height) object["height"] = "fit";
+  if (camera.view) object["view"] = kSideNames[static_cast<std::size_t>(*camera.view)];
 }
 
 Json to_object(const FunctionParts& function) {
@@ -160,6 +162,7 @@ Lighting LightingParts::over(const Lighting& base) const {
 std::string to_json(const SceneFile& scene) {
   Json document = Json::object(), camera = Json::object(), path = Json::array(), functions = Json::array();
   put(document, "volume", scene.volume);
+  if (scene.up_axis) document["upAxis"] = kUpAxisNames[static_cast<std::size_t>(*scene.up_axis)];
   put_unless_empty(document, "raw", to_object(scene.raw));
   put(document, "series", scene.series);
   put(document, "time", scene.time);

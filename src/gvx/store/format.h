@@ -21,13 +21,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "gvx/core/affine.h"
 #include "gvx/core/node_key.h"
+#include "gvx/core/ray.h"
 #include "gvx/core/result.h"
+#include "gvx/core/up_axis.h"
 #include "gvx/core/vec.h"
 #include "gvx/core/voxel.h"
 #include "gvx/store/checksum.h"
@@ -196,9 +199,11 @@ struct VolumeInfo {
   /// anatomical.
   Affine3 voxel_to_world;
   bool anatomical = false;
-  double scale = 1, offset = 0;  ///< physical value = scale * stored value + offset
-  ChannelRanges ranges;          ///< of all stored values
-  std::string source;            ///< the name of the file it was built from
+  UpAxis up = UpAxis::z;             ///< of world space
+  std::optional<Box3d> bounds = {};  ///< in voxel space, of what is not empty; none where that is not known
+  double scale = 1, offset = 0;      ///< physical value = scale * stored value + offset
+  ChannelRanges ranges;              ///< of all stored values
+  std::string source;                ///< the name of the file it was built from
   /// Of each channel: voxels of the finest level in equal bins over its range.
   std::vector<std::vector<std::uint64_t>> histograms;
 

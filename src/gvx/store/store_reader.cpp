@@ -28,6 +28,28 @@ bool is_possible(ValueRange range, VoxelType type) {
   return least <= range.minimum && range.minimum <= range.maximum && range.maximum <= greatest;
 }
 
+/// "y" or "z"; none of anything else.
+std::optional<UpAxis> up_of(const nlohmann::json& value) {
+  for (const UpAxis axis : {UpAxis::y, UpAxis::z}) {
+    if (value == kUpAxisNames[static_cast<std::size_t>(axis)]) return axis;
+  }
+  return std::nullopt;
+}
+
+/// Six numbers, the least corner first, within the volume; none of anything else.
+std::optional<Box3d> bounds_of(const nlohmann::json& value, Vec3i dimensions) {
+  if (!value.is_array() || value.size() != 6) return std::nullopt;
+  for (const auto& number : value) {
+    if (!number.is_number()) return std::nullopt;
+  }
+  const Box3d box{{value[0], value[1], value[2]}, {value[3], value[4], value[5]}};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = box.minimum[axis], high = box.maximum[axis];
+    if (!(0 <= low && low <= high && high <= static_cast<double>(dimensions[axis]))) return std::nullopt;
+  }
+  return box;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<StoreReader>> StoreReader::open(const std::string& path) {
@@ -66,6 +88,15 @@ Status StoreReader::read_metadata() {
   if (const auto no_data = metadata.find("noData"); no_data != metadata.end()) {
     if (!no_data->is_boolean()) return wrong();
     info_.no_data = info_.no_data || no_data->get<bool>();
+  }
+  if (const auto up = metadata.find("up"); up != metadata.end()) {
+    const std::optional<UpAxis> axis = up_of(*up);
+    if (!axis) return wrong();
+    info_.up = *axis;
+  }
+  if (const auto bounds = metadata.find("bounds"); bounds != metadata.end()) {
+    info_.bounds = bounds_of(*bounds, info_.shape.dimensions);
+    if (!info_.bounds) return wrong();
   }
   for (std::size_t c = 0; c < channels->size(); ++c) {
     const auto& channel = (*channels)[c];

@@ -204,6 +204,37 @@ TEST(Store, histogram_counts_every_voxel_in_its_bin) {
   }
 }
 
+TEST(Store, keeps_what_a_default_camera_needs_and_refuses_bounds_beyond_the_volume) {
+  const TestVolume<std::uint8_t> volume({40, 30, 20}, waves);
+  const auto written = [&](UpAxis up, std::optional<Box3d> bounds) {
+    VolumeInfo info;
+    info.shape = TreeShape::covering(volume.dimensions, 2, 8);
+    info.up = up;
+    info.bounds = bounds;
+    const std::string path = temporary("bounds.gvx");
+    const auto writer = StoreWriter::create(path, info.shape, info.format).value();
+    PyramidBuilder builder(exec::Device::cpu(2), *writer, info);
+    EXPECT_TRUE(builder.push_slices(20, std::as_bytes(std::span(volume.voxels))).ok());
+    EXPECT_TRUE(builder.finish().ok());
+    return StoreReader::open(path);
+  };
+  const Box3d bounds{{3, 3.5, 0}, {37.25, 30, 1.0 / 3}};
+  const auto turned = written(UpAxis::y, bounds);
+  EXPECT_EQ(turned.value()->info().up, UpAxis::y);
+  ASSERT_TRUE(turned.value()->info().bounds);
+  EXPECT_EQ(turned.value()->info().bounds->minimum, bounds.minimum);
+  EXPECT_EQ(turned.value()->info().bounds->maximum, bounds.maximum);
+  const auto plain = written(UpAxis::z, std::nullopt);
+  EXPECT_EQ(plain.value()->info().up, UpAxis::z);
+  EXPECT_FALSE(plain.value()->info().bounds);
+  for (const Box3d& bad : {Box3d{{-1, 0, 0}, {1, 1, 1}}, Box3d{{0, 0, 0}, {41, 1, 1}},
+                           Box3d{{0, 2, 0}, {1, 1, 1}}, Box3d{{0, 0, 0}, {1, 1, 1e300}}}) {
+    const auto refused = written(UpAxis::z, bad);
+    ASSERT_FALSE(refused.ok());
+    EXPECT_NE(refused.error().message.find("metadata"), std::string::npos) << refused.error().message;
+  }
+}
+
 TEST(StoreWriter, leaves_nothing_when_it_does_not_finish) {
   const std::string path = temporary("unfinished.gvx");
   std::filesystem::remove(path);

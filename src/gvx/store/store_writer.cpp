@@ -128,6 +128,11 @@ Status StoreWriter::finish(const VolumeInfo& info) {
   nlohmann::json metadata = {
       {"source", info.source}, {"anatomical", info.anatomical}, {"channels", channels}};
   if (info.no_data) metadata["noData"] = true;
+  if (info.up != UpAxis::z) metadata["up"] = kUpAxisNames[static_cast<std::size_t>(info.up)];
+  if (info.bounds) {
+    const Vec3d low = info.bounds->minimum, high = info.bounds->maximum;
+    metadata["bounds"] = {low.x, low.y, low.z, high.x, high.y, high.z};
+  }
   const std::string text = metadata.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   GVX_TRY(add_section(kMetadataSection, 1, true, std::as_bytes(std::span(text))));
 
