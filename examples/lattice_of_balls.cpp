@@ -12,7 +12,7 @@
 #include <gvx/engine/engine.h>
 #include <gvx/io/image.h>
 #include <gvx/produce/producer.h>
-#include <gvx/scene/transfer_function.h>
+#include <gvx/scene/transfer_presets.h>
 
 // [producer]
 class LatticeOfBalls final : public gvx::produce::Producer {

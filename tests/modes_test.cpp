@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "gvx/scene/label_table.h"
 #include "test_scenes.h"
 
 namespace gvx::tests {

@@ -5,6 +5,7 @@
 #include "gvx/produce/field_producer.h"
 #include "gvx/produce/hypertexture.h"
 #include "gvx/produce/proxy.h"
+#include "gvx/scene/transfer_presets.h"
 #include "test_scenes.h"
 
 namespace gvx::tests {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "gvx/produce/sponge_producer.h"
-#include "gvx/scene/transfer_function.h"
+#include "gvx/scene/transfer_presets.h"
 #include "test_scenes.h"
 
 namespace gvx::tests {

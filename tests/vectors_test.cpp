@@ -13,6 +13,7 @@
 
 #include "gvx/engine/residency.h"
 #include "gvx/render/instruction_set.h"
+#include "gvx/scene/label_table.h"
 #include "test_scenes.h"
 
 namespace gvx::tests {

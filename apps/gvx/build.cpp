@@ -28,6 +28,7 @@ struct Options {
   std::string output, memory = "1G", codec = "zstd", type;
   int brick = 16, tree = 2, threads = 0;
   bool force = false, labels = false;
+  CLI::Option* labels_option = nullptr;
   VolumeFlags volume;
   MeshFlags mesh;
 };
@@ -101,8 +102,8 @@ Status build(const Options& o) {
   GVX_ASSIGN(options.memory_bytes, in_flag("--memory", parse_bytes(o.memory)));
   if (io::is_mesh_name(o.inputs.front())) return build_from_mesh(o, options);
   if (o.mesh.given()) return Error{o.inputs.front() + ": --resolution, --fill and --up are for meshes"};
-  options.labels = o.labels;
   GVX_ASSIGN(const auto volume, open_channels(o.inputs, volume_options));
+  options.labels = o.labels_option->count() > 0 ? o.labels : volume->description().labels && !options.type;
   io::StoreBuildReport report;
   {
     Progress progress("building", Progress::Unit::bytes);
@@ -144,9 +145,10 @@ Command add_build(CLI::App& program) {
   command->add_option("--memory", options->memory, "Most memory that the build takes")->capture_default_str();
   command->add_option("--threads", options->threads, "Threads; 0 takes all cores")
       ->check(CLI::Range(0, 1024));
-  command->add_flag(
-      "--labels", options->labels,
-      "The numbers name classes: never averaged or blended, coarse levels take the most frequent");
+  options->labels_option = command->add_flag("--labels,!--no-labels", options->labels,
+                                             "The numbers name classes, or are values: classes are never "
+                                             "averaged or blended, coarse levels take the "
+                                             "most frequent. Without it the file says which");
   command->add_flag("--force", options->force, "Replace the store if it exists");
   options->volume.add_to(*command);
   options->mesh.add_to(*command);

@@ -15,7 +15,7 @@
 #include "gvx/produce/mesh_query.h"
 #include "gvx/produce/sponge_producer.h"
 #include "gvx/produce/terrain.h"
-#include "gvx/scene/transfer_function.h"
+#include "gvx/scene/transfer_presets.h"
 
 namespace gvx::app {
 namespace {

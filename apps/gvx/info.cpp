@@ -93,7 +93,7 @@ nlohmann::json describe_volume(const io::VolumeDescription& d) {
   nlohmann::json j = describe_place(d.dimensions, d.voxel_to_world, d.anatomical);
   j["format"] = "volume file";
   j["type"] = io::sample_name(d.type);
-  j["content"] = d.colors ? "color" : "scalar";
+  j["content"] = d.colors ? "color" : d.labels ? "labels" : "scalar";
   j["planes"] = d.components;
   j["scale"] = d.scale;
   j["offset"] = d.offset;

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -22,6 +23,7 @@
 #include "gvx/produce/deeper_producer.h"
 #include "gvx/produce/repeat_producer.h"
 #include "gvx/produce/store_producer.h"
+#include "gvx/scene/transfer_presets.h"
 #include "gvx/store/store_reader.h"
 #include "mesh_build.h"
 #include "messages.h"
@@ -48,7 +50,8 @@ Status check_all_taken(const std::string& name, const scene::GenerateParts& part
 }
 
 /// Of what a file becomes before it is shown.
-VoxelFormat format_of(const io::VolumeDescription& volume) {
+VoxelFormat format_of(const io::VolumeDescription& volume, bool labels) {
+  if (labels) return {VoxelType::u16, VoxelContent::labels, 1};
   if (volume.colors) return {VoxelType::u8, VoxelContent::color, 4};
   const std::size_t bytes = io::sample_bytes(volume.type);
   return {bytes == 1   ? VoxelType::u8
@@ -76,8 +79,9 @@ Status fill_store(const Devices& devices, const std::string& path, const io::Vol
   }
   GVX_ASSIGN(const auto volume, io::open_volume(path, volume_options));
   GVX_TRY(check_all_taken(path, parts));
-  GVX_TRY(before_build(format_of(volume->description())));
   io::StoreBuildOptions options;
+  options.labels = volume_options.labels.value_or(volume->description().labels);
+  GVX_TRY(before_build(format_of(volume->description(), options.labels)));
   options.codec = store::Codec::lz4;
   options.memory_bytes = 4ull << 30;
   io::StoreBuildReport report;
@@ -135,6 +139,8 @@ scene::ValueStatistics value_statistics(const produce::TreeDescription& tree, st
   statistics.anatomical = tree.anatomical;
   statistics.channel = static_cast<std::uint32_t>(channel);
   statistics.channels = tree.format.channels();
+  const Vec3d size = tree.extent.maximum - tree.extent.minimum;
+  statistics.size_world = std::cbrt(std::abs(determinant(tree.tree_to_world)) * size.x * size.y * size.z);
   return statistics;
 }
 

@@ -15,6 +15,7 @@
 #include "gvx/produce/producer.h"
 #include "gvx/scene/scene_file.h"
 #include "gvx/scene/transfer_function.h"
+#include "gvx/scene/value_statistics.h"
 
 namespace gvx::app {
 

@@ -25,6 +25,7 @@
 #include "outputs.h"
 #include "progress.h"
 #include "scene_flags.h"
+#include "scene_functions.h"
 #include "scene_inputs.h"
 #include "scene_view.h"
 #include "units.h"
@@ -361,9 +362,14 @@ Status render(const Options& o) {
   GVX_ASSIGN(render::View view, make_view(scene, o.flags, opened));
   if (path) view.camera = path->key_frames().front().camera;
   warn_of_close_points(opened.producer->description(), view);
+  GVX_ASSIGN(const nlohmann::json legend, label_legend(scene, view, opened));
+  if (scene.labels && !scene.labels->table.empty() && legend.empty()) {
+    warn("--labels " + scene.labels->table + ": the volume has none of these labels");
+  }
   if (!o.save_scene.empty()) {
-    relate_names(scene, o.save_scene);
-    GVX_TRY(write_text("--save-scene", o.save_scene, scene::to_json(scene)));
+    scene::SceneFile saved = scene;
+    relate_names(saved, o.save_scene);
+    GVX_TRY(write_text("--save-scene", o.save_scene, scene::to_json(saved)));
   }
   if (!o.proxy.empty()) {
     GVX_ASSIGN(engine_options.proxy, make_proxy(std::move(proxy), opened, view));
@@ -376,7 +382,12 @@ Status render(const Options& o) {
   const Studio studio{o, device, *engine, engine_options.proxy != nullptr, progress};
   GVX_ASSIGN(const engine::Statistics statistics,
              frames ? render_frames(studio, view, *frames, path) : render_still(studio, view));
-  if (!o.stats.empty()) GVX_TRY(write_text("--stats", o.stats, to_json(statistics).dump(2) + "\n"));
+  if (!o.stats.empty()) {
+    nlohmann::json stats = to_json(statistics);
+    if (!legend.empty()) stats["labels"] = legend;
+    const std::string text = stats.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+    GVX_TRY(write_text("--stats", o.stats, text + "\n"));
+  }
   if (!guess.empty() && !o.quiet) std::printf("%s\n", one_line(guess).c_str());
   if (!frames && !o.quiet) {
     report(o.output, view, statistics, device);
@@ -440,6 +451,7 @@ Command add_render(CLI::App& program) {
       ->check(not_empty());
   command->add_flag("--quiet", o->quiet, "Print nothing but errors and warnings");
   o->flags.add_to(*command);
+  o->flags.functions().let_labels_precede(command->get_option("scene"), &o->scene);
   return [o] { return render(*o); };
 }
 

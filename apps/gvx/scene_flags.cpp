@@ -28,12 +28,6 @@ std::optional<std::size_t> index_of(std::span<const char* const> names, const st
   return found == names.end() ? std::nullopt : std::optional<std::size_t>(found - names.begin());
 }
 
-std::string joined(std::span<const char* const> names) {
-  std::string text;
-  for (const char* name : names) text += std::string(text.empty() ? "" : " ") + name;
-  return text;
-}
-
 /// "kind:x,y,z" or "kind:x,y,z:r,g,b".
 Result<scene::Light> parse_light(const std::string& text) {
   const std::vector<std::string> parts = split(text, ':', 4);
@@ -85,15 +79,7 @@ void SceneFlags::add_to(CLI::App& command) {
           "centre, which is faster and can miss thin layers (preintegrated)")
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(scene::kClassificationNames),
                                                      std::end(scene::kClassificationNames))));
-  one_at_a_time(
-      command.add_option("--tf", functions_,
-                         "Transfer function, one a channel: a ParaView JSON colour map, or a preset: " +
-                             joined(scene::preset_names()) + "; without it a preset that suits the values"));
-  command
-      .add_option(
-          "--gradient-opacity", gradients_,
-          "g0,f0,g1,f1,...: the extinction's factor f where the gradient, in values per world unit, is g")
-      ->check(not_empty());
+  functions_.add_to(command);
   one_at_a_time(
       command.add_option("--light", lights_,
                          "KIND:x,y,z[:red,green,blue], up to 8: camera (a direction: right, up, towards "
@@ -157,8 +143,7 @@ Status SceneFlags::apply(scene::SceneFile& scene) const {
   if (const auto how = index_of(scene::kClassificationNames, classification_)) {
     scene.classification = static_cast<scene::Classification>(*how);
   }
-  if (!functions_.empty()) scene.functions.clear();
-  for (const std::string& name : functions_) scene.functions.push_back({.from = name});
+  GVX_TRY(functions_.apply(scene));
   GVX_TRY(apply_lighting(scene.lighting));
   if (!clip_.empty()) {
     GVX_ASSIGN(scene.clip, in_flag("--clip", parse_box(clip_)));
@@ -240,21 +225,6 @@ Result<std::vector<scene::KeyFrameParts>> SceneFlags::key_frames() const {
     keys.push_back({*frame, camera});
   }
   return keys;
-}
-
-Result<std::vector<scene::GradientPoint>> SceneFlags::gradients() const {
-  std::vector<scene::GradientPoint> points;
-  if (gradients_.empty()) return points;
-  const Error bad{"--gradient-opacity: '" + gradients_ + "' is not pairs of numbers, as G0,F0,G1,F1"};
-  std::vector<double> numbers;
-  for (const std::string& part : split(gradients_, ',', gradients_.size() + 1)) {
-    const auto number = io::parse_number(part);
-    if (!number || !std::isfinite(*number)) return bad;
-    numbers.push_back(*number);
-  }
-  if (numbers.size() % 2 != 0) return bad;
-  for (std::size_t i = 0; i < numbers.size(); i += 2) points.push_back({numbers[i], numbers[i + 1]});
-  return points;
 }
 
 }  // namespace gvx::app

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "function_flags.h"
 #include "gvx/core/result.h"
 #include "gvx/scene/camera.h"
 #include "gvx/scene/scene_file.h"
@@ -27,11 +28,10 @@ class SceneFlags {
   Result<scene::CameraParts> camera() const;
   /// --key-frame; none where none is given.
   Result<std::vector<scene::KeyFrameParts>> key_frames() const;
-  /// --gradient-opacity; empty where it is not given.
-  Result<std::vector<scene::GradientPoint>> gradients() const;
+  const FunctionFlags& functions() const { return functions_; }
+  FunctionFlags& functions() { return functions_; }
   bool has_volume() const { return !volume_.empty(); }
   bool has_isovalue() const { return isovalue_.has_value(); }
-  bool has_functions() const { return !functions_.empty(); }
   /// Was anything said of a raw file?
   bool has_raw() const { return volume_flags_.given(); }
 
@@ -41,14 +41,14 @@ class SceneFlags {
   void add_generate_to(CLI::App& command);
   void apply_generate(scene::GenerateParts& parts) const;
 
-  std::string volume_, up_axis_, size_, camera_, view_, mode_, classification_, clip_, background_,
-      gradients_;
-  std::vector<std::string> key_frames_, functions_, lights_;
+  std::string volume_, up_axis_, size_, camera_, view_, mode_, classification_, clip_, background_;
+  std::vector<std::string> key_frames_, lights_;
   std::optional<std::uint32_t> antialias_;
   std::optional<double> isovalue_, ambient_, diffuse_, specular_, shininess_, samples_, detail_;
   bool shaded_ = true, transparent_ = false, finest_ = false, in_march_ = false;
   CLI::Option *shaded_option_ = nullptr, *transparent_option_ = nullptr, *finest_option_ = nullptr;
   VolumeFlags volume_flags_;
+  FunctionFlags functions_;
   scene::GenerateParts generate_;
 };
 

@@ -27,6 +27,7 @@ std::vector<std::string> files_of_scene(const std::string& scene_path, const sce
   for (const scene::FunctionParts& function : scene.functions) {
     if (!function.from.empty()) files.push_back(function.from);
   }
+  if (scene.labels && !scene.labels->table.empty()) files.push_back(scene.labels->table);
   if (!proxy.empty()) add(files_of(proxy, {}));
   return files;
 }

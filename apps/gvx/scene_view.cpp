@@ -1,18 +1,16 @@
 #include "scene_view.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "built_in_scenes.h"
-#include "command_line.h"
 #include "gvx/engine/engine.h"
-#include "gvx/io/transfer_function_file.h"
 #include "gvx/render/frame.h"
 #include "gvx/scene/camera_path.h"
 #include "gvx/scene/framing.h"
+#include "scene_functions.h"
 #include "visible_bounds.h"
 
 namespace gvx::app {
@@ -23,82 +21,9 @@ namespace fs = std::filesystem;
 /// Behind what is composited, dark enough for haze and light enough for what is in shadow; projections have
 /// black, which is their least value.
 constexpr Vec3d kBackground{0.13, 0.16, 0.20};
-/// Of isosurfaces: ivory.
-constexpr Vec3d kSurfaceColor{0.98, 0.91, 0.80};
 
 bool is_projection(scene::Mode mode) {
   return mode != scene::Mode::composite && mode != scene::Mode::isosurface;
-}
-
-bool is_preset(const std::string& name) {
-  const auto names = scene::preset_names();
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-Error no_such_function(const std::string& name) {
-  std::string presets;
-  for (const char* preset : scene::preset_names())
-    presets += (presets.empty() ? "" : ", ") + std::string(preset);
-  const std::vector<std::string> names(scene::preset_names().begin(), scene::preset_names().end());
-  const auto near = closest(name, names);
-  return Error{name + ": neither a file nor a preset (presets: " + presets + ")" +
-               (near ? "; did you mean " + *near + "?" : "")};
-}
-
-Result<scene::TransferFunction> open_function(const scene::FunctionParts& parts,
-                                              const scene::ValueStatistics& statistics) {
-  if (parts.from.empty()) return parts.over({});
-  if (is_preset(parts.from)) {
-    GVX_ASSIGN(auto function, scene::preset(parts.from, statistics));
-    return parts.over(std::move(function));
-  }
-  std::error_code ignored;
-  if (!fs::exists(parts.from, ignored)) return no_such_function(parts.from);
-  GVX_ASSIGN(auto function, io::read_transfer_function(parts.from));
-  return parts.over(std::move(function));
-}
-
-/// What names function `i` in messages: the flag, or the field.
-Error in_function(const SceneFlags& flags, std::size_t i, const Error& error) {
-  return Error{(flags.has_functions() ? "--tf " : "functions[" + std::to_string(i) + "]: ") + error.message};
-}
-
-/// Does the volume take as many functions, and gradients?
-Status check_functions(const scene::SceneFile& scene, const SceneFlags& flags, const VoxelFormat& format) {
-  const bool takes = format.content == VoxelContent::scalar || format.content == VoxelContent::labels;
-  const std::size_t most = takes ? format.channels() : 0;
-  if (scene.functions.size() > most) {
-    return Error{std::string(flags.has_functions() ? "--tf" : "functions") + ": " +
-                 std::to_string(scene.functions.size()) + " transfer functions for a volume that takes " +
-                 std::to_string(most)};
-  }
-  GVX_ASSIGN(const auto gradients, flags.gradients());
-  if (!gradients.empty() && format.content != VoxelContent::scalar) {
-    return Error{"--gradient-opacity: the volume's voxels have no gradient"};
-  }
-  return {};
-}
-
-/// One a channel; none for labels, whose colours are their own, unless the scene has one.
-Result<std::vector<scene::FunctionParts>> complete_functions(const scene::SceneFile& scene,
-                                                             const SceneFlags& flags, const Scene& opened) {
-  const produce::TreeDescription& tree = opened.producer->description();
-  GVX_TRY(check_functions(scene, flags, tree.format));
-  std::vector<scene::FunctionParts> functions = scene.functions;
-  if (tree.format.content != VoxelContent::scalar) return functions;
-  if (functions.empty() && is_projection(*scene.mode)) functions.push_back({.from = "ramp"});
-  if (functions.empty() && *scene.mode == scene::Mode::isosurface) {
-    functions.push_back({.from = "", .colors = {{0, kSurfaceColor}}, .opacities = {{0, 1}}});
-  }
-  if (functions.empty()) {
-    functions.push_back({.from = opened.preset, .colors = opened.colors, .opacities = opened.opacities});
-  }
-  functions.resize(tree.format.channels(), functions.back());
-  GVX_ASSIGN(const auto gradients, flags.gradients());
-  if (!gradients.empty()) {
-    for (scene::FunctionParts& function : functions) function.gradients = gradients;
-  }
-  return functions;
 }
 
 /// What of the modes can be told without a volume.
@@ -107,7 +32,7 @@ Status check_mode(const scene::SceneFile& scene, const SceneFlags& flags) {
   if (flags.has_isovalue() && mode != scene::Mode::isosurface) {
     return Error{"--isovalue: only mode isosurface has one"};
   }
-  GVX_ASSIGN(const auto gradients, flags.gradients());
+  GVX_ASSIGN(const auto gradients, flags.functions().gradients());
   if (!gradients.empty() && mode != scene::Mode::composite) {
     return Error{"--gradient-opacity: only mode composite has opacities"};
   }
@@ -120,21 +45,6 @@ bool lacks_isovalue(const scene::SceneFile& scene) {
 
 Error no_isovalue(const std::string& more) {
   return Error{"isovalue: mode isosurface needs one (--isovalue)" + more};
-}
-
-/// Files that are read again later; what is in a pipe could not be.
-Status check_function_files(const scene::SceneFile& scene, const SceneFlags& flags) {
-  for (std::size_t i = 0; i < scene.functions.size(); ++i) {
-    const std::string& name = scene.functions[i].from;
-    std::error_code ignored;
-    if (name.empty() || is_preset(name)) continue;
-    if (!fs::exists(name, ignored)) return in_function(flags, i, no_such_function(name));
-    if (!fs::is_regular_file(name, ignored)) continue;
-    if (const auto function = io::read_transfer_function(name); !function.ok()) {
-      return in_function(flags, i, function.error());
-    }
-  }
-  return {};
 }
 
 /// What cameras frame where nothing is known of the volume.
@@ -247,6 +157,7 @@ void rename_files(scene::SceneFile& scene, Rename rename) {
   for (scene::FunctionParts& function : scene.functions) {
     if (!function.from.empty() && !is_preset(function.from)) function.from = rename(function.from);
   }
+  if (scene.labels && !scene.labels->table.empty()) scene.labels->table = rename(scene.labels->table);
 }
 
 /// Of what is no file: addresses, pipes.
@@ -266,6 +177,7 @@ io::VolumeOptions volume_options(const scene::SceneFile& scene) {
   options.raw.components = scene.raw.components;
   options.series = scene.series;
   options.time = scene.time;
+  if (scene.labels) options.labels = scene.labels->enabled;
   options.even_slices = scene.even_slices.value_or(false);
   return options;
 }
@@ -285,7 +197,7 @@ Result<scene::SceneFile> complete(scene::SceneFile scene, const SceneFlags& flag
     range << values.minimum << " to " << values.maximum;
     return no_isovalue("; the volume's values are from " + range.str());
   }
-  GVX_ASSIGN(scene.functions, complete_functions(scene, flags, opened));
+  GVX_ASSIGN(scene.functions, complete_functions(scene, flags.functions(), opened));
   scene.lighting = scene::LightingParts(scene.lighting.over(standard.lighting));
   if (!scene.clip) scene.clip = standard.clip;
   if (!scene.background) scene.background = is_projection(*scene.mode) ? Vec3d() : kBackground;
@@ -299,14 +211,14 @@ Result<scene::SceneFile> complete(scene::SceneFile scene, const SceneFlags& flag
 
 Status check_before_opening(const scene::SceneFile& scene, const SceneFlags& flags) {
   GVX_TRY(check_mode(scene, flags));
-  GVX_TRY(check_function_files(scene, flags));
+  GVX_TRY(check_function_files(scene, flags.functions()));
   return check_cameras(scene, flags);
 }
 
 Status check_before_building(const scene::SceneFile& scene, const SceneFlags& flags,
                              const VoxelFormat& format) {
   if (lacks_isovalue(scene)) return no_isovalue("");
-  GVX_TRY(check_functions(scene, flags, format));
+  GVX_TRY(check_functions(scene, flags.functions(), format));
   render::View view;
   view.mode = scene.mode.value_or(view.mode);
   view.classification = scene.classification.value_or(view.classification);
@@ -320,7 +232,6 @@ Status check_before_building(const scene::SceneFile& scene, const SceneFlags& fl
 }
 
 Result<render::View> make_view(const scene::SceneFile& scene, const SceneFlags& flags, const Scene& opened) {
-  const produce::TreeDescription& tree = opened.producer->description();
   render::View view;
   view.width = *scene.width;
   view.height = *scene.height;
@@ -329,15 +240,7 @@ Result<render::View> make_view(const scene::SceneFile& scene, const SceneFlags& 
   view.mode = *scene.mode;
   view.isovalue = scene.isovalue.value_or(0);
   view.classification = *scene.classification;
-  for (std::size_t channel = 0; channel < scene.functions.size(); ++channel) {
-    auto function = open_function(scene.functions[channel], value_statistics(tree, channel));
-    if (!function.ok()) return in_function(flags, channel, function.error());
-    view.functions.push_back(std::move(function).value());
-  }
-  if (tree.format.content == VoxelContent::labels && view.functions.empty()) {
-    const auto greatest = static_cast<std::uint32_t>(tree.ranges.channel[0].maximum);
-    view.functions = {scene::label_colors(greatest + 1)};
-  }
+  GVX_ASSIGN(view.functions, open_functions(scene, flags.functions(), opened));
   view.lighting = scene.lighting.over(view.lighting);
   view.clip = *scene.clip;
   view.background = Vec3f(*scene.background);

@@ -11,6 +11,7 @@
 #include "gvx/core/result.h"
 #include "gvx/engine/engine.h"
 #include "gvx/render/view.h"
+#include "gvx/scene/value_statistics.h"
 
 namespace gvx::bench {
 

@@ -5,6 +5,7 @@
 
 #include "gvx/io/store_build.h"
 #include "gvx/io/volume_reader.h"
+#include "gvx/scene/transfer_presets.h"
 #include "gvx/store/pyramid.h"
 #include "gvx/store/store_reader.h"
 #include "scenes.h"

@@ -22,6 +22,7 @@ bool same_place(const VolumeDescription& a, const VolumeDescription& b) {
 ChannelMerger::ChannelMerger(std::vector<std::unique_ptr<SliceReader>> channels)
     : channels_(std::move(channels)), description_(channels_.front()->description()) {
   description_.components = static_cast<int>(channels_.size());
+  description_.labels = false;
 }
 
 Result<std::unique_ptr<ChannelMerger>> ChannelMerger::merge(

@@ -185,6 +185,13 @@ Status interpret_values(const NiftiHeader& header, VolumeDescription& descriptio
   return {};
 }
 
+/// NIFTI_INTENT_LABEL of nifti1.h, where the numbers can be labels.
+bool names_classes(const NiftiHeader& header, const VolumeDescription& description) {
+  constexpr int kLabel = 1002;
+  return header.intent_code == kLabel && description.components == 1 && description.type != SampleType::f32 &&
+         description.type != SampleType::f64 && description.scale == 1 && description.offset == 0;
+}
+
 Result<std::int64_t> data_offset(const std::string& path, const NiftiHeader& header) {
   const double stated = header.vox_offset;
   const int least = header.kind == NiftiHeader::Kind::single ? header.least_vox_offset() : 0;
@@ -224,6 +231,7 @@ Result<VolumeFile> parse_nifti(const std::string& path) {
   interpret_place(header, analyze, file.description);
   if (!analyze) {
     GVX_TRY(interpret_values(header, file.description));
+    file.description.labels = names_classes(header, file.description);
   }
   GVX_ASSIGN(file.byte_skip, data_offset(path, header));
   GVX_ASSIGN(file.encoding, detect_gzip(file.data_paths.front()));

@@ -51,6 +51,7 @@ NiftiHeader nifti1(const Bytes& bytes) {
   header.datatype = bytes.get<std::int16_t>(70);
   bytes.fill<float>(header.pixdim, 76);
   header.vox_offset = double{bytes.get<float>(108)};
+  header.intent_code = bytes.get<std::int16_t>(68);
   header.scl_slope = double{bytes.get<float>(112)};
   header.scl_inter = double{bytes.get<float>(116)};
   header.xyzt_units = bytes.get<std::uint8_t>(123);
@@ -70,6 +71,7 @@ NiftiHeader nifti2(const Bytes& bytes, bool single) {
   bytes.fill<std::int64_t>(header.dim, 16);
   bytes.fill<double>(header.pixdim, 104);
   header.vox_offset = static_cast<double>(bytes.get<std::int64_t>(168));
+  header.intent_code = bytes.get<std::int32_t>(504);
   header.scl_slope = bytes.get<double>(176);
   header.scl_inter = bytes.get<double>(184);
   header.qform_code = bytes.get<std::int32_t>(344);

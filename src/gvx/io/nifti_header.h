@@ -23,6 +23,7 @@ struct NiftiHeader {
   std::array<double, 8> pixdim{};
   int datatype = 0;
   double vox_offset = 0;
+  int intent_code = 0;  ///< of what the numbers mean
   double scl_slope = 0, scl_inter = 0;
   int qform_code = 0, sform_code = 0;
   std::array<double, 3> quatern{};  ///< b, c, d

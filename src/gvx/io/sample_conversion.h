@@ -52,11 +52,13 @@ struct Span {
 /// What a look at some samples finds.
 struct Survey {
   Span finite;
-  Span rounded;  ///< those that a float would round
+  Span rounded;        ///< those that a float would round
+  Exact fraction = 0;  ///< one that is not whole; 0 where all are
 
   void add(const Survey& other) {
     finite.include(other.finite);
     rounded.include(other.rounded);
+    if (fraction == 0) fraction = other.fraction;
   }
 };
 
@@ -73,11 +75,13 @@ template <typename Sample>
 Survey survey_samples(std::span<const std::byte> samples) {
   constexpr Sample kMost = std::numeric_limits<Sample>::max(), kLeast = std::numeric_limits<Sample>::lowest();
   Sample least = kMost, greatest = kLeast, least_rounded = kMost, greatest_rounded = kLeast;
+  Sample fraction = 0;
   bool any = false, any_rounded = false;
   for (std::size_t i = 0; i < samples.size() / sizeof(Sample); ++i) {
     const auto v = sample_at<Sample>(samples, i);
     if constexpr (std::is_floating_point_v<Sample>) {
       if (!std::isfinite(v)) continue;
+      if (std::trunc(v) != v) fraction = v;
     }
     any = true;
     least = std::min(least, v);
@@ -91,6 +95,7 @@ Survey survey_samples(std::span<const std::byte> samples) {
     }
   }
   Survey survey;
+  survey.fraction = static_cast<Exact>(fraction);
   if (any) survey.finite = {static_cast<Exact>(least), static_cast<Exact>(greatest)};
   if (any_rounded) {
     survey.rounded = {static_cast<Exact>(least_rounded), static_cast<Exact>(greatest_rounded)};

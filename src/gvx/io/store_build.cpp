@@ -73,8 +73,8 @@ std::size_t most_faithful(std::span<const double> losses) {
 Result<VoxelFormat> choose_format(const VolumeDescription& d, const StoreBuildOptions& options) {
   const auto components = static_cast<std::uint32_t>(d.components);
   if (options.labels) {
-    if (components != 1 || d.type == SampleType::f32 || d.type == SampleType::f64) {
-      return Error{d.path + ": labels: expected one integer a voxel"};
+    if (components != 1) {
+      return Error{d.path + ": labels: expected one number a voxel, found " + std::to_string(components)};
     }
     if (options.type) return Error{d.path + ": labels keep their type: --type does not go with --labels"};
     return VoxelFormat{sample_bytes(d.type) == 1 ? VoxelType::u8 : VoxelType::u16, VoxelContent::labels, 1};
@@ -188,13 +188,20 @@ ConversionAccount convert(const exec::Device& cpu, SampleType from, const Conver
 }
 
 /// Labels are stored as they are: an error where the voxels' type does not hold one.
-Status check_labels(const VolumeDescription& d, const Span& labels, VoxelType type) {
+Status check_labels(const VolumeDescription& d, const Survey& survey, VoxelType type) {
+  if (survey.fraction != 0) {
+    return Error{d.path + ": labels: expected whole numbers, found " +
+                 number_text(static_cast<double>(survey.fraction))};
+  }
+  const Span& labels = survey.finite;
   const Exact most = type == VoxelType::u8 ? 255 : 65535;
   if (labels.empty() || (labels.least >= 0 && labels.greatest <= most)) return {};
   const Exact worst = labels.greatest > most ? labels.greatest : labels.least;
   return Error{d.path + ": labels: expected 0 to " + number_text(static_cast<double>(most)) + ", found " +
-               (worst < 0 ? std::to_string(static_cast<std::int64_t>(worst))
-                          : std::to_string(static_cast<std::uint64_t>(worst)))};
+               (d.type == SampleType::f32 || d.type == SampleType::f64
+                    ? number_text(static_cast<double>(worst))
+                : worst < 0 ? std::to_string(static_cast<std::int64_t>(worst))
+                            : std::to_string(static_cast<std::uint64_t>(worst)))};
 }
 
 /// Finds a conversion in passes over the samples before the one that stores them.
@@ -210,7 +217,7 @@ class Prospector {
     Survey all;
     GVX_TRY(pass([&](std::span<const std::byte> samples) { all.add(survey(cpu_, type(), samples)); }));
     if (format.content == VoxelContent::labels) {
-      GVX_TRY(check_labels(reader_.description(), all.finite, format.type));
+      GVX_TRY(check_labels(reader_.description(), all, format.type));
       return Conversion{all.finite.greatest <= 255 ? VoxelType::u8 : format.type, 0, 1};
     }
     if (format.type != VoxelType::f32) return to_integer(type(), all, format.type);
@@ -356,8 +363,8 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reade
     } else if (same_bytes(d.type, *conversion)) {
       GVX_TRY(pyramid.push_slices(slices, samples));
     } else {
-      if (options.labels) GVX_TRY(check_labels(d, survey(cpu, d.type, samples).finite, info.format.type));
-      account.add(convert(cpu, d.type, *conversion, d.scale < 0, samples, voxels));
+      if (options.labels) GVX_TRY(check_labels(d, survey(cpu, d.type, samples), info.format.type));
+      account.add(convert(cpu, d.type, *conversion, d.scale < 0 && !options.labels, samples, voxels));
       GVX_TRY(pyramid.push_slices(slices, voxels));
     }
     report_progress(samples.size());

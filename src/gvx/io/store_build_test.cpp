@@ -190,7 +190,13 @@ TEST(StoreBuild, wide_labels_keep_their_numbers_or_are_refused) {
   EXPECT_NE(error_of(write_raw<std::int8_t>("i8", [](int i) { return i % 9 - 4; }))
                 .find("labels: expected 0 to 255, found -4"),
             std::string::npos);
-  EXPECT_NE(error_of(write_raw<float>("f32", [](int i) { return i; })).find("labels: expected one integer"),
+  expect_labels(build(write_raw<float>("f32", [](int i) { return 300 * (i % 200); }), options),
+                VoxelType::u16, 300);
+  expect_labels(build(write_raw<double>("f64", [](int i) { return i % 200; }), options), VoxelType::u8, 1);
+  EXPECT_NE(error_of(write_raw<float>("f32", [](int i) { return i == 9 ? 2.5f : 1; }))
+                .find("labels: expected whole numbers, found 2.5"),
+            std::string::npos);
+  EXPECT_NE(error_of(write_raw<float>("f32", [](int i) { return i == 9 ? 1e30f : 1; })).find("found 1.0000000"),
             std::string::npos);
 }
 

@@ -36,6 +36,7 @@ struct VolumeDescription {
   SampleType type = SampleType::u8;
   int components = 1;       ///< Samples a voxel, 1 to 4, side by side.
   bool colors = false;      ///< They are red, green, blue and, if there are four, opacity.
+  bool labels = false;      ///< They name classes, each an integer.
   bool big_endian = false;  ///< In the file; readers hand out native byte order.
   Affine3 voxel_to_world;   ///< From voxel space to world space, in the file's units unless anatomical.
   bool anatomical =

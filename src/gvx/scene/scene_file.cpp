@@ -29,6 +29,8 @@ constexpr NumberRange kShininess{0, 10000};
 constexpr NumberRange kRays{1, 8, true};
 constexpr NumberRange kSamples{1, 1000};
 constexpr NumberRange kDetail{0.25, 16};
+constexpr NumberRange kPercent{0, 100};
+constexpr NumberRange kOpacityFactor{0, 1000};
 constexpr NumberRange kLevels{1, 28, true};
 constexpr NumberRange kResolution{1, 1 << 20, true};
 constexpr NumberRange kOctaves{1, 32, true};
@@ -142,12 +144,26 @@ Result<FunctionParts> read_function(const Json& value, const std::string& place)
   for (const auto& row : fields.rows("gradients", {{.least = 0}, kShare})) {
     function.gradients.push_back({row[0], row[1]});
   }
+  if (const auto window = fields.row("window", {kAny, kAboveZero})) {
+    function.window = {(*window)[0], (*window)[1]};
+  }
+  if (const auto range = fields.row("percentile", {kPercent, kPercent})) {
+    function.percentiles = {(*range)[0], (*range)[1]};
+    if (!((*range)[0] < (*range)[1])) {
+      fields.fail(fields.place_of("percentile"), "the first below the second",
+                  fields.any("percentile")->dump());
+    }
+  }
+  if (function.window && function.percentiles) fields.fail(place, "window or percentile", "both");
+  function.opacity = fields.number("opacity", kOpacityFactor);
   GVX_TRY(fields.finish());
-  if (function.from.empty() && (function.colors.empty() || function.opacities.empty())) {
+  const bool chosen = function.colors.empty() && function.opacities.empty() &&
+                      (function.window || function.percentiles || function.opacity);
+  if (function.from.empty() && !chosen && (function.colors.empty() || function.opacities.empty())) {
     return field_error(place, "colors and opacities, or from", "only some of them");
   }
   // Points out of order are told here, where their place is known; what `from` names is ordered by itself.
-  if (const auto whole = function.over({{{0, {}}}, {{0, 0}}}); !whole.ok()) {
+  if (const auto whole = function.over({{{0, {}}}, {{0, 0}}}, {}); !whole.ok()) {
     return Error{place + ": " + whole.error().message};
   }
   return function;
@@ -222,6 +238,18 @@ void read_functions(JsonFields& fields, SceneFile& scene) {
   scene.functions = {one};
 }
 
+void read_labels(JsonFields& fields, SceneFile& scene) {
+  const Json* value = fields.any("labels");
+  if (value == nullptr) return;
+  if (value->is_boolean()) {
+    scene.labels = LabelParts{value->get<bool>(), ""};
+  } else if (value->is_string() && !value->get_ref<const std::string&>().empty()) {
+    scene.labels = LabelParts{true, value->get<std::string>()};
+  } else {
+    fields.fail("labels", "true, false or the name of a file", describe(*value));
+  }
+}
+
 Result<SceneFile> read_document(const Json& document) {
   JsonFields fields(document, "");
   SceneFile scene;
@@ -246,6 +274,7 @@ Result<SceneFile> read_document(const Json& document) {
     scene.classification = static_cast<Classification>(*how);
   }
   read_functions(fields, scene);
+  read_labels(fields, scene);
   read_object(fields, "lighting", scene.lighting, read_lighting);
   if (const auto clip = fields.row("clip", {kAny, kAny, kAny, kAny, kAny, kAny})) {
     scene.clip = Box3d{vector_of(*clip), vector_of(*clip, 3)};

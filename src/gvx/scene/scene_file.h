@@ -15,8 +15,10 @@
 #include "gvx/core/vec.h"
 #include "gvx/scene/camera_parts.h"
 #include "gvx/scene/camera_path.h"
+#include "gvx/scene/function_range.h"
 #include "gvx/scene/lighting.h"
 #include "gvx/scene/transfer_function.h"
+#include "gvx/scene/value_statistics.h"
 #include "gvx/scene/visibility.h"
 
 namespace gvx::scene {
@@ -57,17 +59,31 @@ struct KeyFrameParts {
   bool operator==(const KeyFrameParts&) const = default;
 };
 
-/// A transfer function by name, with points of its own, or both.
+/// A transfer function by name, with points of its own, or both. Without either it is what the program
+/// chooses.
 struct FunctionParts {
   std::string from;  ///< a preset or a ParaView JSON file; empty: none
   std::vector<ColorPoint> colors = {};
   std::vector<OpacityPoint> opacities = {};
   std::optional<double> unit_distance = {};
   std::vector<GradientPoint> gradients = {};
+  // Where the function's first and last point come to lie; at most one of them.
+  std::optional<ValueWindow> window = {};
+  std::optional<PercentileRange> percentiles = {};
+  std::optional<double> opacity = {};  ///< factor of all opacities
 
   /// `base`, which `from` names, with the parts that are there; an error where that is no sound function.
-  Result<TransferFunction> over(TransferFunction base) const;
+  /// `statistics` are of the volume.
+  Result<TransferFunction> over(TransferFunction base, const ValueStatistics& statistics = {}) const;
   bool operator==(const FunctionParts&) const = default;
+};
+
+/// Whether a volume file's numbers are labels.
+struct LabelParts {
+  bool enabled = true;
+  std::string table;  ///< a file of their names and colours; empty: none
+
+  bool operator==(const LabelParts&) const = default;
 };
 
 struct LightingParts {
@@ -99,6 +115,7 @@ struct SceneFile {
   std::optional<double> isovalue;
   std::optional<Classification> classification;
   std::vector<FunctionParts> functions;  ///< one a channel; fewer repeat the last
+  std::optional<LabelParts> labels;      ///< none: as the volume's file says
   LightingParts lighting;
   std::optional<Box3d> clip;
   std::optional<Vec3d> background;

@@ -81,6 +81,9 @@ Json to_object(const FunctionParts& function) {
   put_unless_empty(object, "opacities", std::move(opacities));
   put(object, "unitDistance", function.unit_distance);
   put_unless_empty(object, "gradients", std::move(gradients));
+  if (const auto& w = function.window) object["window"] = {w->level, w->width};
+  if (const auto& p = function.percentiles) object["percentile"] = {p->first, p->last};
+  put(object, "opacity", function.opacity);
   return object;
 }
 
@@ -124,11 +127,20 @@ void write(const Json& value, std::string& text, const std::string& indent) {
 
 }  // namespace
 
-Result<TransferFunction> FunctionParts::over(TransferFunction base) const {
+Result<TransferFunction> FunctionParts::over(TransferFunction base, const ValueStatistics& statistics) const {
   if (!colors.empty()) base.colors = colors;
   if (!opacities.empty()) base.opacities = opacities;
   base.unit_distance = unit_distance.value_or(base.unit_distance);
   if (!gradients.empty()) base.gradients = gradients;
+  GVX_TRY(check(base));
+  if (window) base = stretched(std::move(base), window->span());
+  if (percentiles) {
+    constexpr double kLeastWidth = 1e-3;  // of the values' range, where next to all voxels have one value
+    const double first = statistics.percentile(percentiles->first / 100);
+    const double last = statistics.percentile(percentiles->last / 100);
+    base = stretched(std::move(base), {first, std::max(last, first + kLeastWidth * statistics.width())});
+  }
+  if (opacity) base = with_opacity_factor(std::move(base), *opacity);
   GVX_TRY(check(base));
   return base;
 }
@@ -184,6 +196,11 @@ std::string to_json(const SceneFile& scene) {
   }
   for (const FunctionParts& function : scene.functions) functions.push_back(to_object(function));
   put_unless_empty(document, "functions", std::move(functions));
+  if (scene.labels && !scene.labels->table.empty()) {
+    document["labels"] = scene.labels->table;
+  } else if (scene.labels) {
+    document["labels"] = scene.labels->enabled;
+  }
   put_unless_empty(document, "lighting", to_object(scene.lighting));
   if (scene.clip) {
     const Vec3d a = scene.clip->minimum, b = scene.clip->maximum;

@@ -124,6 +124,38 @@ TEST(SceneFile, parts_lie_over_what_the_program_chooses) {
   EXPECT_EQ(function.over({{{0, {1, 0, 0}}}, {{0, 1}}}).value().opacities, function.opacities);
 }
 
+TEST(SceneFile, functions_are_fitted_to_the_volume) {
+  const ValueStatistics values{0, 200, {50, 30, 20, 0}};
+  FunctionParts function;
+  function.colors = {{0, {0, 0, 0}}, {1, {1, 1, 1}}};
+  function.opacities = {{0, 0}, {1, 0.8}};
+  function.window = ValueWindow{40, 20};
+  function.opacity = 0.5;
+  const TransferFunction in_window = function.over({}, values).value();
+  EXPECT_EQ(in_window.opacities, (std::vector<OpacityPoint>{{30, 0}, {50, 0.4}}));
+  EXPECT_EQ(in_window.colors.back().value, 50);
+  function.window.reset();
+  function.percentiles = PercentileRange{50, 80};
+  const TransferFunction in_percentiles = function.over({}, values).value();
+  EXPECT_DOUBLE_EQ(in_percentiles.opacities.front().value, 50);
+  EXPECT_DOUBLE_EQ(in_percentiles.opacities.back().value, 100);
+  // Where next to all voxels have one value there still is a range.
+  function.percentiles = PercentileRange{10, 10.001};
+  const TransferFunction narrow = function.over({}, values).value();
+  EXPECT_GE(narrow.opacities.back().value - narrow.opacities.front().value, 0.19);
+}
+
+TEST(SceneFile, fitted_functions_and_labels_come_back_from_their_text) {
+  for (const char* text :
+       {R"({"function": {"window": [40, 400]}})", R"({"function": {"from": "mr", "percentile": [1, 99.5]}})",
+        R"({"functions": [{"opacity": 0.25}, {"from": "gray", "window": [-0.5, 0.25], "opacity": 3}]})",
+        R"({"labels": true})", R"({"labels": false})", R"({"labels": "table.txt"})"}) {
+    const SceneFile scene = parse_scene(text, "a.json").value();
+    EXPECT_NE(scene, SceneFile{}) << text;
+    EXPECT_EQ(parse_scene(to_json(scene), "again").value(), scene) << to_json(scene);
+  }
+}
+
 TEST(SceneFile, errors_name_the_field_what_was_expected_and_what_was_found) {
   const std::pair<const char*, const char*> cases[] = {
       {"", "not JSON at line 1, column 1"},
@@ -145,6 +177,18 @@ TEST(SceneFile, errors_name_the_field_what_was_expected_and_what_was_found) {
       {R"({"function": {"from": "gray", "opacities": [[1, 0], [0, 1]]}})", "opacity point 2 is below"},
       {R"({"functions": [{"colors": [[0, 1, 1, 1.5]], "opacities": [[0, 1]]}]})",
        "functions[0].colors[0][3]: expected a number from 0 to 1, found 1.5"},
+      {R"({"function": {"window": [40, 0]}})", "function.window[1]: expected a number above 0, found 0"},
+      {R"({"function": {"percentile": [5, 101]}})",
+       "function.percentile[1]: expected a number from 0 to 100"},
+      {R"({"function": {"percentile": [50, 50]}})",
+       "function.percentile: expected the first below the second"},
+      {R"({"function": {"window": [1, 1], "percentile": [1, 2]}})",
+       "function: expected window or percentile, found both"},
+      {R"({"function": {"opacity": -1}})", "function.opacity: expected a number from 0 to 1000, found -1"},
+      {R"({"function": {"colors": [[0, 1, 1, 1]], "opacity": 1}})",
+       "function: expected colors and opacities"},
+      {R"({"labels": 3})", "labels: expected true, false or the name of a file, found 3"},
+      {R"({"labels": ""})", "labels: expected true, false or the name of a file"},
       {R"({"lighting": {"lights": [{"kind": "sun", "place": [0, 0, 1]}]}})",
        "lighting.lights[0].kind: expected one of"},
       {R"({"lighting": {"lights": [{"place": [0, 0, 0]}]}})",

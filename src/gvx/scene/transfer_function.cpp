@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "gvx/scene/even_means.h"
 #include "gvx/scene/transfer_limits.h"

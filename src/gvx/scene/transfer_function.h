@@ -6,8 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "gvx/core/result.h"
@@ -314,32 +312,5 @@ TransferTable bake_labels(const TransferFunction& function, double scale, double
 
 /// The table for colour voxels. Their ranges are those of their opacity; only 0 is invisible.
 TransferTable bake_opacities();
-
-/// The names that preset() knows.
-std::span<const char* const> preset_names();
-
-/// A colour for each label, told apart as well as can be; 0 is transparent.
-TransferFunction label_colors(std::uint32_t labels);
-
-/// What is known of a volume when no transfer function is given.
-struct ValueStatistics {
-  double minimum = 0, maximum = 0;            ///< physical
-  std::vector<std::uint64_t> histogram = {};  ///< equal bins from minimum to maximum; may be empty
-  bool anatomical = false;                    ///< of a patient
-  std::uint32_t channel = 0, channels = 1;
-};
-
-/// Statistics of stored values, in physical ones.
-ValueStatistics physical_statistics(ValueRange stored, std::vector<std::uint64_t> histogram, double scale,
-                                    double offset);
-
-/// A ready transfer function by name. The CT presets speak of Hounsfield units, the others fit themselves to
-/// the statistics: "mr" to the border between air and tissue, "microscopy" to the brightest few per cent,
-/// "ramp" is for projections.
-Result<TransferFunction> preset(const std::string& name, const ValueStatistics& statistics);
-
-/// The preset that suits values like these: a CT by its Hounsfield range, "mr" for other scans of patients,
-/// "microscopy" for several channels, "gray" for the rest.
-std::string suggest_preset(const ValueStatistics& statistics);
 
 }  // namespace gvx::scene

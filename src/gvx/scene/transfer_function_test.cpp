@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "gvx/scene/label_table.h"
 #include "gvx/scene/transfer_limits.h"
+#include "gvx/scene/transfer_presets.h"
 
 namespace gvx::scene {
 namespace {
@@ -367,7 +369,8 @@ TEST(Presets, all_are_sound_whatever_the_statistics) {
     }
   }
   // What fits itself to the values does so whatever their size.
-  for (const char* name : {"mr", "microscopy", "gray", "solid", "inside", "cloud", "ramp"}) {
+  for (const char* name :
+       {"mr", "surface", "layers", "microscopy", "gray", "solid", "inside", "cloud", "ramp"}) {
     const ValueStatistics unit{0, 1, {40, 30, 20, 9, 1, 0, 0, 2}};
     const TransferFunction one = preset(name, unit).value();
     for (const double size : {1e-30, 1e-10, 1e10, 1e30}) {

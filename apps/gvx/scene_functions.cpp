@@ -1,0 +1,208 @@
+#include "scene_functions.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "command_line.h"
+#include "gvx/io/label_table_file.h"
+#include "gvx/io/transfer_function_file.h"
+#include "gvx/scene/transfer_presets.h"
+
+namespace gvx::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Of isosurfaces: ivory.
+constexpr Vec3d kSurfaceColor{0.98, 0.91, 0.80};
+
+Error no_such_function(const std::string& name) {
+  std::string presets;
+  for (const char* preset : scene::preset_names())
+    presets += (presets.empty() ? "" : ", ") + std::string(preset);
+  const std::vector<std::string> names(scene::preset_names().begin(), scene::preset_names().end());
+  const auto near = closest(name, names);
+  return Error{name + ": neither a file nor a preset (presets: " + presets + ")" +
+               (near ? "; did you mean " + *near + "?" : "")};
+}
+
+/// What names function `i` in messages: the flag, or the field.
+Error in_function(const FunctionFlags& flags, std::size_t i, const Error& error) {
+  return Error{(flags.has_functions() ? "--tf " : "functions[" + std::to_string(i) + "]: ") + error.message};
+}
+
+Result<scene::TransferFunction> read_function(const std::string& name) {
+  std::error_code ignored;
+  if (!fs::exists(name, ignored)) return no_such_function(name);
+  return io::read_transfer_function(name);
+}
+
+Result<scene::TransferFunction> open_function(const scene::FunctionParts& parts,
+                                              const scene::ValueStatistics& statistics) {
+  if (parts.from.empty()) return parts.over({}, statistics);
+  GVX_ASSIGN(auto function,
+             is_preset(parts.from) ? scene::preset(parts.from, statistics) : read_function(parts.from));
+  return parts.over(std::move(function), statistics);
+}
+
+/// Is a function, by name or points of its own, there?
+bool has_points(const scene::FunctionParts& parts) {
+  return !parts.from.empty() || !parts.colors.empty();
+}
+
+/// What gvx chooses where nothing is said.
+scene::FunctionParts chosen_function(const scene::SceneFile& scene, const scene::FunctionParts& parts,
+                                     const Scene& opened) {
+  scene::FunctionParts chosen = parts;
+  if (*scene.mode == scene::Mode::isosurface && parts == scene::FunctionParts()) {
+    chosen.colors = {{0, kSurfaceColor}};
+    chosen.opacities = {{0, 1}};
+    return chosen;
+  }
+  const bool projection = *scene.mode != scene::Mode::composite && *scene.mode != scene::Mode::isosurface;
+  // The points of CT presets stand for matter: elsewhere they say nothing.
+  const bool moved = parts.window || parts.percentiles;
+  chosen.from = projection ? "ramp" : moved && opened.preset.starts_with("ct-") ? "gray" : opened.preset;
+  if (projection) return chosen;
+  chosen.colors = opened.colors;
+  if (chosen.opacities.empty()) chosen.opacities = opened.opacities;
+  return chosen;
+}
+
+/// Those of labels, whose colours are their own unless the scene has others.
+Result<std::vector<scene::TransferFunction>> open_label_functions(const scene::SceneFile& scene,
+                                                                  const FunctionFlags& flags,
+                                                                  const Scene& opened) {
+  const produce::TreeDescription& tree = opened.producer->description();
+  const scene::ValueStatistics statistics = value_statistics(tree, 0);
+  const scene::FunctionParts parts = scene.functions.empty() ? scene::FunctionParts() : scene.functions[0];
+  if (has_points(parts)) {
+    auto function = open_function(parts, statistics);
+    if (!function.ok()) return in_function(flags, 0, function.error());
+    return std::vector{std::move(function).value()};
+  }
+  const auto labels = static_cast<std::uint32_t>(tree.ranges.channel[0].maximum) + 1;
+  scene::TransferFunction base = scene::label_colors(labels);
+  if (scene.labels && !scene.labels->table.empty()) {
+    auto table = io::read_label_table(scene.labels->table);
+    if (!table.ok()) return Error{"--labels " + table.error().message};
+    base = scene::label_colors(labels, table.value());
+  }
+  GVX_ASSIGN(auto function, parts.over(std::move(base), statistics));
+  return std::vector{std::move(function)};
+}
+
+}  // namespace
+
+bool is_preset(const std::string& name) {
+  const auto names = scene::preset_names();
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+Status check_function_files(const scene::SceneFile& scene, const FunctionFlags& flags) {
+  std::error_code ignored;
+  for (std::size_t i = 0; i < scene.functions.size(); ++i) {
+    const std::string& name = scene.functions[i].from;
+    // Files are read again later; what is in a pipe could not be.
+    if (name.empty() || is_preset(name) ||
+        (fs::exists(name, ignored) && !fs::is_regular_file(name, ignored))) {
+      continue;
+    }
+    if (const auto function = read_function(name); !function.ok()) {
+      return in_function(flags, i, function.error());
+    }
+  }
+  if (!scene.labels || scene.labels->table.empty()) return {};
+  const std::string& table = scene.labels->table;
+  if (fs::exists(table, ignored) && !fs::is_regular_file(table, ignored)) {
+    return Error{"--labels " + table + ": expected a file"};
+  }
+  if (const auto read = io::read_label_table(table); !read.ok()) {
+    return Error{"--labels " + read.error().message};
+  }
+  if (!scene.functions.empty() && has_points(scene.functions[0])) {
+    return Error{"--labels " + table + ": does not go with a transfer function (" +
+                 (flags.has_functions() ? "--tf" : "functions") + "), which says colours too"};
+  }
+  return {};
+}
+
+Status check_functions(const scene::SceneFile& scene, const FunctionFlags& flags, const VoxelFormat& format) {
+  const bool labels = format.content == VoxelContent::labels;
+  const std::size_t most = labels || format.content == VoxelContent::scalar ? format.channels() : 0;
+  if (scene.functions.size() > most) {
+    return Error{flags.source() + ": " + std::to_string(scene.functions.size()) +
+                 " transfer functions for a volume that takes " + std::to_string(most)};
+  }
+  if (labels && !scene.functions.empty() && (scene.functions[0].window || scene.functions[0].percentiles)) {
+    return Error{std::string(scene.functions[0].window ? "--window" : "--percentile") +
+                 ": the volume's numbers are labels, which have no range (--no-labels shows them as values)"};
+  }
+  if (scene.labels && scene.labels->enabled && !labels) {
+    return Error{
+        "--labels: the volume's numbers are no labels; gvx build INPUT --labels makes a store of some"};
+  }
+  GVX_ASSIGN(const auto gradients, flags.gradients());
+  if (!gradients.empty() && format.content != VoxelContent::scalar) {
+    return Error{"--gradient-opacity: the volume's voxels have no gradient"};
+  }
+  return {};
+}
+
+Result<std::vector<scene::FunctionParts>> complete_functions(const scene::SceneFile& scene,
+                                                             const FunctionFlags& flags,
+                                                             const Scene& opened) {
+  const produce::TreeDescription& tree = opened.producer->description();
+  GVX_TRY(check_functions(scene, flags, tree.format));
+  std::vector<scene::FunctionParts> functions = scene.functions;
+  if (tree.format.content != VoxelContent::scalar) return functions;
+  if (functions.empty()) functions.emplace_back();
+  for (scene::FunctionParts& function : functions) {
+    if (!has_points(function)) function = chosen_function(scene, function, opened);
+    if (function.percentiles && tree.histograms.empty()) {
+      return Error{"--percentile: the volume has no histogram; --window LEVEL,WIDTH does the same"};
+    }
+  }
+  functions.resize(tree.format.channels(), functions.back());
+  GVX_ASSIGN(const auto gradients, flags.gradients());
+  if (!gradients.empty()) {
+    for (scene::FunctionParts& function : functions) function.gradients = gradients;
+  }
+  return functions;
+}
+
+Result<std::vector<scene::TransferFunction>> open_functions(const scene::SceneFile& scene,
+                                                            const FunctionFlags& flags, const Scene& opened) {
+  const produce::TreeDescription& tree = opened.producer->description();
+  if (tree.format.content == VoxelContent::labels) return open_label_functions(scene, flags, opened);
+  std::vector<scene::TransferFunction> functions;
+  for (std::size_t channel = 0; channel < scene.functions.size(); ++channel) {
+    auto function = open_function(scene.functions[channel], value_statistics(tree, channel));
+    if (!function.ok()) return in_function(flags, channel, function.error());
+    functions.push_back(std::move(function).value());
+  }
+  return functions;
+}
+
+Result<nlohmann::json> label_legend(const scene::SceneFile& scene, const render::View& view,
+                                    const Scene& opened) {
+  nlohmann::json legend = nlohmann::json::array();
+  if (!scene.labels || scene.labels->table.empty()) return legend;
+  const ValueRange range = opened.producer->description().ranges.channel[0];
+  GVX_ASSIGN(const scene::LabelTable table, io::read_label_table(scene.labels->table));
+  for (const auto& [label, entry] : table) {
+    if (label == 0 || double(label) < double(range.minimum) || double(label) > double(range.maximum))
+      continue;
+    const Vec3d color = view.functions.front().color(label);
+    std::array<char, 8> text{};
+    std::snprintf(text.data(), text.size(), "#%02x%02x%02x", unsigned(std::lround(255 * color.x)),
+                  unsigned(std::lround(255 * color.y)), unsigned(std::lround(255 * color.z)));
+    legend.push_back({{"label", label}, {"name", entry.name}, {"color", text.data()}});
+  }
+  return legend;
+}
+
+}  // namespace gvx::app
