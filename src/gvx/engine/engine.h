@@ -44,8 +44,8 @@ struct EngineOptions {
   /// A closed mesh around all that can be seen: rays march only within it. Applies to the modes composite and
   /// isosurface.
   std::shared_ptr<const produce::Proxy> proxy = {};
-  /// Is called with one line where something is wrong that is no error, during a call of the engine and on
-  /// its caller's thread: once, where the first brick holds values beyond its node's bounds.
+  /// Called with a line of text if something is wrong that is not an error. Today this happens once, for the
+  /// first brick with values beyond its node's bounds. It is called on the thread that called the engine.
   std::function<void(const std::string&)> warn = {};
 };
 
@@ -79,12 +79,12 @@ class Engine {
 
   /// Is the picture the exact one?
   bool converged() const { return film_.has_value() && unfinished_tiles_.empty(); }
-  /// What is rendered by now.
+  /// The picture as far as it is rendered.
   render::Picture picture() const;
-  /// The same into the caller's memory, in parallel. An error where rows do not fit, or where the depth of a
-  /// projection is asked for. Depth is of the ray through a pixel's middle: where what is resident hides half
-  /// of what lies behind, or the isosurface; measured along the view, as depth buffers are, not along the
-  /// ray. It is found by marching these rays once more, one by one.
+  /// The same into the caller's memory, in parallel. An error if rows do not fit, or if the depth of a
+  /// projection is asked for. Depth belongs to the ray through the middle of a pixel. For an isosurface it is
+  /// the surface; otherwise it is where the resident data hide half of what lies behind. It is measured along
+  /// the view, as in depth buffers, not along the ray. To find it, these rays are marched again, one by one.
   Status picture(const render::PictureTarget& target);
   /// What the last call of render_exact() or render_for() did. Not cheap: it reads all pixels.
   Statistics statistics() const;

@@ -1,6 +1,6 @@
 /// \file
-/// SampledBounds: bounds of a function's values in a box, for functions whose bounds nobody has worked out.
-/// They are an estimate. The engine reports a brick that breaks them (EngineOptions::warn).
+/// SampledBounds: estimates the bounds of a function's values in a box, for functions whose bounds are not
+/// known. The engine reports a brick that breaks them (EngineOptions::warn).
 #pragma once
 
 #include <cstdint>
@@ -19,27 +19,27 @@ struct SampledBoundsOptions {
   /// Samples along each axis of a box, at least; 2 to 32. A call takes (samples + 2)^3 values or more. Fewer
   /// make bounds wide, more take time.
   std::uint32_t samples = 8;
-  /// How much wider than the samples bounds are. The unit is the largest difference between two neighbours
-  /// along x, plus the same along y and along z. Where the function is about as steep between samples as from
-  /// one to the next, 0.75 is enough.
+  /// How far the bounds go beyond the samples. The unit is the largest difference between two neighbours
+  /// along x, plus the same along y and along z. 0.75 is enough if the function is no steeper between samples
+  /// than from one to the next.
   double margin = 1;
-  /// Of all values, where that is known: bounds stay within it. Otherwise the constructor samples the whole
-  /// cube.
+  /// The range of all values, if it is known. Bounds stay within it. If it is not known, the constructor
+  /// samples the whole cube.
   std::optional<ValueRange> all = {};
 };
 
-/// To be given to FieldProducer as its bounds. A box is cut into cells, at least `samples` along an axis, and
-/// one value is taken in each, at places that do not repeat: a periodic function does not look constant. The
-/// same box always has the same bounds. Where all samples are of one value, the box is taken to be of that
-/// value. Boxes that would take more than 32 samples along an axis have the bounds of all values.
+/// Bounds for FieldProducer. A box is divided into at least `samples` cells along each axis, and one value is
+/// taken in each cell. The places within the cells vary, so that a periodic function does not look constant.
+/// The same box always has the same bounds. If all samples are equal, the box counts as constant. Boxes that
+/// need more than 32 samples along an axis have the bounds of all values.
 class SampledBounds {
  public:
   SampledBounds(FunctionField::Values values, const SampledBoundsOptions& options);
 
-  /// Bounds of the values in a box in tree space. Thread-safe where the function is.
+  /// The bounds in a box in tree space. Thread-safe if the function is.
   ValueRange operator()(const Box3d& box) const;
 
-  /// Of all values in the cube and a quarter around it.
+  /// The bounds of all values in the cube, and in a quarter of its width around it.
   ValueRange all() const { return all_; }
 
  private:
