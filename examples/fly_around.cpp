@@ -14,6 +14,7 @@
 #include <gvx/io/image.h>
 #include <gvx/produce/store_producer.h>
 #include <gvx/scene/camera_path.h>
+#include <gvx/scene/transfer_presets.h>
 
 static gvx::Status run(const char* path, const std::string& folder) {
   using namespace std::chrono_literals;

@@ -12,6 +12,7 @@
 #include <gvx/engine/engine.h>
 #include <gvx/io/image.h>
 #include <gvx/produce/store_producer.h>
+#include <gvx/scene/transfer_presets.h>
 #include <gvx/store/store_reader.h>
 
 // The value of a voxel, in the units of the file that the store was built from. A store keeps voxels in
