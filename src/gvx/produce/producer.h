@@ -31,7 +31,7 @@ struct TreeDescription {
   VoxelFormat format;
   Affine3 tree_to_world;
   Box3d extent{{0, 0, 0}, {1, 1, 1}};  ///< the part of tree space that holds the volume
-  /// The part of the extent that is not empty, where that is known: what cameras frame.
+  /// The part of the extent that is not empty, if it is known. Default cameras show this part.
   std::optional<Box3d> bounds = {};
   bool anatomical = false;       ///< world is millimetres: x right, y to the front, z up
   UpAxis up = UpAxis::z;         ///< the axis of the world that points up

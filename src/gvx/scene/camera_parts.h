@@ -14,27 +14,26 @@
 
 namespace gvx::scene {
 
-/// From where a scene is seen; framing.h says where that is.
+/// The side from which a scene is seen. framing.h says where it is.
 enum class Side : std::uint32_t { front, back, left, right, top, bottom };
 
 /// The names of Side, in its order.
 inline constexpr const char* kSideNames[] = {"front", "back", "left", "right", "top", "bottom"};
 
-/// A camera of which some parts are given.
+/// A camera with only some parts stated.
 struct CameraParts {
-  std::optional<Vec3dd> origin;  ///< also the target, where none is given
+  std::optional<Vec3dd> origin;  ///< also the target, if there is none
   std::optional<Vec3d> eye, target, up;
   std::optional<double> fov_degrees, height_world;  ///< at most one of them and of fit_height
-  bool fit_height = false;                          ///< orthographic, as high as what it frames
-  std::optional<Side> view;                         ///< in place of an eye
+  bool fit_height = false;                          ///< orthographic, with the height that the scene needs
+  std::optional<Side> view;                         ///< in place of `eye`
 
   CameraParts() = default;
-  /// All parts of it.
+  /// All parts of `camera`.
   explicit CameraParts(const Camera& camera);
-  /// `base` with the parts that are there, of which view and fit_height are none.
+  /// `base` with the stated parts in place of its own. view and fit_height are ignored.
   Camera over(const Camera& base) const;
-  /// Those of `under` with the parts that are there in place of its own: a view replaces an eye, and an eye a
-  /// view.
+  /// `under` with the stated parts in place of its own. A view also replaces an eye, and an eye a view.
   CameraParts laid_over(const CameraParts& under) const;
   bool operator==(const CameraParts&) const = default;
 };
@@ -43,7 +42,7 @@ struct CameraParts {
 /// becomes y; or z, if the view is along y.
 Camera with_fitting_up(Camera camera);
 
-/// Reads what to_text writes; parts may be left out, and height may be "fit".
+/// Reads what to_text() writes. Parts may be left out, and height may be "fit".
 Result<CameraParts> parse_camera_parts(const std::string& text);
 
 }  // namespace gvx::scene

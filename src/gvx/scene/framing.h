@@ -1,5 +1,5 @@
 /// \file
-/// Framing: from where a scene is looked at, and from how far, where a camera does not say.
+/// Framing: chooses the direction and distance of a camera that does not state them.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace gvx::scene {
 
-/// Which way a scene stands in the world, and so where its front is.
+/// Which way is up in a scene, and where its front is.
 enum class Stance : std::uint32_t {
   z_up,    ///< the front faces -y: drawings, printing, maps
   y_up,    ///< the front faces +z, as glTF 2.0 (3.4, Coordinate System and Units) says
@@ -22,36 +22,37 @@ enum class Stance : std::uint32_t {
 
 Stance stance_of(UpAxis up, bool anatomical);
 
-/// Where the viewer is: `to_eye` goes from the scene to the eye. Both are unit vectors.
+/// A direction of view: `to_eye` points from the scene to the eye. Both are unit vectors.
 struct Outlook {
   Vec3d to_eye, up;
 };
 
-/// Straight from a side. Left and right are at -x and +x: those of a viewer in front, but the patient's own.
-/// From the top and the bottom the picture's right is +x, but from below a patient, where it is the patient's
-/// left, as radiologists are used to.
+/// The view straight from a side. Left is at -x and right at +x. For a viewer in front these are left and
+/// right; for patients they are their own. From the top and the bottom, the picture's right is +x. Patients
+/// seen from below are an exception: the picture's right is their left, as in radiology.
 Outlook outlook(Stance stance, Side side);
 
-/// From the front, a little above and a little from the side: with y up from +x, since models that do not
-/// face +z mostly face +x, else from -x.
+/// The view from the front, a little above and a little from the side. With y up it is from +x, since most
+/// models that do not face +z face +x. Otherwise it is from -x.
 Outlook standard_outlook(Stance stance);
 
-/// What a camera frames.
+/// What a camera shows.
 struct Framing {
-  Box3d box;  ///< what can be seen
+  Box3d box;  ///< the box of what is visible
   Affine3 box_to_world;
   Stance stance = Stance::z_up;
   double aspect = 1;  ///< the picture's width over its height
-  double fill = 0.8;  ///< of the picture's width or height, whichever is tighter, that the box takes
+  double fill =
+      0.8;  ///< the share of the picture's width or height, whichever is tighter, that the box takes
 };
 
-/// The camera of which `given` are parts; the others frame the box: it takes `fill` of the picture in the
-/// tighter direction, and no corner is nearer to the picture's edge than a quarter of what is left beside it.
-/// - Without a view or an eye the box is seen from standard_outlook(), which is turned so that its up becomes
-///   the one that is given.
-/// - Without a target the eye looks at the box's centre, or at the origin that is given.
-/// - With an eye that is given, the field of view is 30 degrees unless it is given, too.
-/// The result may be no view, where `given` spans none.
+/// A camera with the parts `given`. The other parts are chosen so that the box takes `fill` of the picture in
+/// the tighter direction. No corner is nearer to the picture's edge than a quarter of the margin.
+/// - Without a view or an eye: the camera looks from standard_outlook(). If an up is given, this is turned
+/// with it.
+/// - Without a target: the camera looks at the box's centre, or at the origin if one is given.
+/// - With an eye: the field of view is 30 degrees, unless it is given.
+/// If the given parts do not define a view, neither does the result.
 Camera complete_camera(const CameraParts& given, const Framing& framing);
 
 /// frame_box() of camera.h with another `fill`.

@@ -1,5 +1,5 @@
 /// \file
-/// Transfer functions that are ready: by name, and the one that suits a volume's values.
+/// Presets: ready transfer functions by name, and the choice of one that suits a volume's values.
 #pragma once
 
 #include <span>
@@ -14,16 +14,15 @@ namespace gvx::scene {
 /// The names that preset() knows.
 std::span<const char* const> preset_names();
 
-/// A ready transfer function by name. The CT presets speak of Hounsfield units, the others fit themselves to
-/// the statistics: "mr" and "surface" to the border between background and object, "layers" to the shares of
-/// voxels, "diverging" to the spread around zero, "microscopy" to the brightest few per cent; "ramp" is for
-/// projections.
+/// A ready transfer function by name. The CT presets are in Hounsfield units. The others fit the statistics:
+/// "mr" and "surface" the border between background and object, "layers" the shares of voxels, "diverging"
+/// the spread around zero, "microscopy" the brightest few per cent. "ramp" is for projections.
 Result<TransferFunction> preset(const std::string& name, const ValueStatistics& statistics);
 
-/// The preset that suits values like these: "ct-bone" for a CT by its Hounsfield range, "microscopy" for
-/// several channels, "diverging" for values around zero, "mr" for other scans of patients, "surface" where
-/// the histogram falls into background and object, "layers" where it does not, and "gray" where there is
-/// none.
+/// The name of the preset that suits these values: "ct-bone" for the Hounsfield range of a CT, "microscopy"
+/// for several channels, "diverging" for values around zero, "mr" for other scans of patients. For all others
+/// it depends on the histogram: "surface" if it shows background and object, "layers" if it does not, "gray"
+/// if there is none.
 std::string suggest_preset(const ValueStatistics& statistics);
 
 }  // namespace gvx::scene
