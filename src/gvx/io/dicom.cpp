@@ -19,6 +19,8 @@ namespace fs = std::filesystem;
 
 constexpr int kDeepestFolder = 16;
 constexpr std::size_t kMostFiles = std::size_t{1} << 18;
+// To find out whether a folder holds a DICOM file at all.
+constexpr std::size_t kMostLookedAt = 4096;
 constexpr std::size_t kMostNamed = 6;
 
 bool has_dicom_name(const std::string& path) {
@@ -264,7 +266,15 @@ void remark_on_files(const LeftOut& left_out, std::vector<std::string>& remarks)
 
 bool is_dicom(const std::string& path) {
   std::error_code error;
-  if (fs::is_directory(path, error)) return any_file(path, is_dicom_file);
+  if (fs::is_directory(path, error)) {
+    bool found = false;
+    std::size_t looked_at = 0;
+    any_file(path, [&](const std::string& file) {
+      found = is_dicom_file(file);
+      return found || ++looked_at == kMostLookedAt;
+    });
+    return found;
+  }
   return fs::is_regular_file(path, error) && is_dicom_file(path);
 }
 

@@ -13,8 +13,8 @@
 
 namespace gvx::io {
 
-/// Is it a file that begins as DICOM does or is named .dcm, .dicom or .ima (also with .gz), or a folder that
-/// holds one?
+/// Is it a file that begins as DICOM does or is named .dcm, .dicom or .ima (also with .gz), or a folder with
+/// one among the first 4096 files in it and in its folders?
 bool is_dicom(const std::string& path);
 
 /// Opens one frame of one series. Without `options.series` the series with most slices is taken, and a remark
