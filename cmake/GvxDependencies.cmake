@@ -22,3 +22,18 @@ find_library(GVX_EMBREE_LIBRARY embree3)
 if(NOT GVX_EMBREE_INCLUDE OR NOT GVX_EMBREE_LIBRARY)
   message(STATUS "gvx: Embree 3 not found: built without distances to meshes, their hypertextures and their voxels")
 endif()
+
+# Not its package configuration, which also wants GDCM's programs.
+find_path(GVX_GDCM_INCLUDE gdcmImage.h PATH_SUFFIXES gdcm-3.0)  # libgdcm-dev
+set(GVX_GDCM_LIBRARIES)
+set(GVX_GDCM_FOUND ON)
+foreach(part MSFF DICT DSED Common)
+  find_library(GVX_GDCM_${part} gdcm${part})
+  list(APPEND GVX_GDCM_LIBRARIES ${GVX_GDCM_${part}})
+  if(NOT GVX_GDCM_${part} OR NOT GVX_GDCM_INCLUDE)
+    set(GVX_GDCM_FOUND OFF)
+  endif()
+endforeach()
+if(NOT GVX_GDCM_FOUND)
+  message(STATUS "gvx: GDCM not found: built without DICOM files whose pixels are packed as JPEG, JPEG-LS or JPEG 2000")
+endif()

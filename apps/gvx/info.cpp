@@ -104,6 +104,14 @@ nlohmann::json describe_volume(const io::VolumeDescription& d) {
   }
   if (!d.remarks.empty()) j["remarks"] = d.remarks;
   for (const io::ChannelDescription& channel : d.channels) j["channel_names"].push_back(channel.name);
+  for (const io::SeriesDescription& series : d.series) {
+    j["series"].push_back({{"number", series.number},
+                           {"uid", series.uid},
+                           {"modality", series.modality},
+                           {"description", series.description},
+                           {"dimensions", {series.dimensions.x, series.dimensions.y, series.dimensions.z}},
+                           {"frames", series.frames}});
+  }
   return j;
 }
 
@@ -200,6 +208,17 @@ void print(const std::string& path, const nlohmann::json& j) {
   if (j.contains("remarks")) {
     for (const std::string remark : j["remarks"]) row("note", remark);
   }
+  if (j.contains("series")) {
+    for (const auto& series : j["series"]) {
+      std::string what = series["modality"];
+      for (const char* field : {"description", "uid"}) {
+        if (series[field] != "") what += (what.empty() ? "" : ", ") + one_line(series[field]);
+      }
+      row("series", one_line(series["number"]) + ": " + joined(series["dimensions"], " x ") +
+                        (series["frames"] != 1 ? " x " + series["frames"].dump() + " frames" : "") +
+                        (what.empty() ? "" : " (" + what + ")"));
+    }
+  }
   if (j["scale"] != 1.0 || j["offset"] != 0.0) {
     row("physical", number(j["scale"]) + " * stored + " + number(j["offset"]));
   }
@@ -275,7 +294,9 @@ Command add_info(CLI::App& program) {
   CLI::App* command = program.add_subcommand("info", "Say what is in a store, a volume file or a mesh");
   command
       ->add_option("path", options->path,
-                   "A .gvx store, a RAW, NRRD, NIfTI or MetaImage file, or a mesh (PLY, OBJ, STL, glTF)")
+                   "A .gvx store, a RAW, NRRD, NIfTI, MetaImage or DICOM file, a folder of DICOM files, or a "
+                   "mesh (PLY, OBJ, "
+                   "STL, glTF)")
       ->required();
   command->add_flag("--json", options->json, "As JSON");
   CLI::Option* header = command->add_flag("--header", options->header,

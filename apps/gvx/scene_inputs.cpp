@@ -12,6 +12,7 @@ namespace gvx::app {
 
 std::vector<std::string> files_of(const std::string& input, const io::VolumeOptions& options) {
   std::error_code error;
+  if (std::filesystem::is_directory(input, error)) return io::volume_files(input, options);
   // To look into a pipe would take away what is in it.
   if (!std::filesystem::is_regular_file(input, error)) return {input};
   return io::is_mesh_name(input) ? io::mesh_files(input) : io::volume_files(input, options);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "gvx/io/dicom_test_support.h"
 #include "gvx/io/volume_test_support.h"
 
 namespace gvx::io::test {
@@ -37,6 +38,15 @@ std::string nifti_header() {
   return bytes;
 }
 
+/// A data set of two frames, up to its pixels.
+std::string dicom_header(bool big_endian) {
+  DicomWriter frames = dicom_slice(1, {1, 2, 3}, DicomWriter(true, big_endian)).text(0x00280008, "IS", "2");
+  frames.sequence(0x00081140, {DicomWriter(true, big_endian).text(0x00081155, "UI", "1.2")});
+  std::string bytes = frames.element(kPixelData, "OW", std::string(48, '\0')).bytes();
+  bytes.resize(bytes.size() - 48);
+  return bytes;
+}
+
 std::vector<Specimen> specimens() {
   constexpr int kGzip = 15 + 16, kZlib = 15;
   const std::string data = small_samples(SampleType::i16, true);
@@ -50,7 +60,10 @@ std::vector<Specimen> specimens() {
       "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\nBinaryDataByteOrderMSB = True\nHeaderSize = 0\n"
       "ElementSpacing = 1 1 2\nOffset = 0 0 0\nTransformMatrix = 1 0 0 0 1 0 0 0 1\nBinaryData = ";
   const std::string local = "ElementDataFile = LOCAL\n";
+  const std::string little = small_samples(SampleType::i16, false);
   return {
+      specimen(".dcm", DicomWriter::file(kBigEndian, dicom_header(true)), data),
+      specimen(".dcm", DicomWriter::file(kDeflated, deflated(dicom_header(false) + little, -15)), ""),
       specimen(".nrrd", nrrd + "raw\n\n", data),
       specimen(".nrrd", nrrd + "gzip\n\n", deflated(data, kGzip)),
       specimen(".nrrd", nrrd + "bzip2\n\n", bzipped(data)),
@@ -129,7 +142,8 @@ TEST(HostileVolumes, flipped_bits_never_break_the_reader) {
 
 TEST(HostileVolumes, junk_of_every_extension) {
   std::mt19937 random(7);
-  for (const char* extension : {".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".hdr", ".img"}) {
+  for (const char* extension :
+       {".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".hdr", ".img", ".dcm"}) {
     const std::string path = temporary_path(std::string("junk") + extension);
     std::string junk(3 << 20, '\0');
     for (char& c : junk) c = static_cast<char>(random());

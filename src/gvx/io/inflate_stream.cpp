@@ -8,6 +8,7 @@ namespace gvx::io {
 namespace {
 
 constexpr int kWindowBitsDetectFormat = 15 + 32;
+constexpr int kWindowBitsBare = -15;
 constexpr std::size_t kLongestStep = std::size_t{1} << 30;  // zlib counts in 32 bits
 
 bool starts_with_gzip_magic(std::span<const std::byte> bytes) {
@@ -17,8 +18,16 @@ bool starts_with_gzip_magic(std::span<const std::byte> bytes) {
 }  // namespace
 
 Result<std::unique_ptr<ByteStream>> InflateStream::create(FileSource source) {
-  std::unique_ptr<InflateStream> stream(new InflateStream(std::move(source)));
-  if (inflateInit2(&stream->state_, kWindowBitsDetectFormat) != Z_OK) {
+  return start(std::move(source), false);
+}
+
+Result<std::unique_ptr<ByteStream>> InflateStream::create_bare(FileSource source) {
+  return start(std::move(source), true);
+}
+
+Result<std::unique_ptr<ByteStream>> InflateStream::start(FileSource source, bool bare) {
+  std::unique_ptr<InflateStream> stream(new InflateStream(std::move(source), bare));
+  if (inflateInit2(&stream->state_, bare ? kWindowBitsBare : kWindowBitsDetectFormat) != Z_OK) {
     return file_error(stream->name(), "zlib cannot start: expected memory for its window");
   }
   return std::unique_ptr<ByteStream>(std::move(stream));
@@ -38,6 +47,7 @@ Status InflateStream::restart() {
 // Not gzread, which would own the file and cannot begin in its middle or read a zlib stream. As gzip(1) does,
 // bytes behind the last member that do not begin another one are ignored: tapes and copies pad files.
 Result<bool> InflateStream::next_member() {
+  if (bare_ && any_member_) return false;
   GVX_ASSIGN(const auto bytes, source_.peek(2));
   if (any_member_ ? !starts_with_gzip_magic(bytes) : bytes.empty()) return false;
   inflateReset(&state_);
@@ -68,7 +78,8 @@ Result<std::size_t> InflateStream::read(std::span<std::byte> out) {
       break;
     } else if (status != Z_OK && status != Z_BUF_ERROR) {
       const char* why = state_.msg != nullptr ? state_.msg : "unexpected code";
-      return file_error(name(), std::string("broken gzip or zlib data: ") + why);
+      return file_error(name(),
+                        std::string(bare_ ? "broken deflated data: " : "broken gzip or zlib data: ") + why);
     }
   }
   return done;

@@ -266,6 +266,7 @@ Recognised recognise_folder(const std::string& path) {
                                        : "a folder without a volume or a mesh that gvx knows");
   }
   const auto& [format, files] = *most;
+  if (format->kind == FileKind::dicom) return {FileKind::dicom, true, true, {}};
   if (format->why.empty() || (format->kind == FileKind::other && files.count == 1)) {
     return other_folder("a folder, not a file; name " +
                         (files.count == 1 ? "the file in it: "

@@ -28,6 +28,16 @@ struct ChannelDescription {
   std::optional<Vec3f> color;  ///< In which it is shown: red, green, blue from 0 to 1.
 };
 
+/// One of several series of images that a folder holds.
+struct SeriesDescription {
+  std::string number;  ///< By which --series chooses it.
+  std::string uid;
+  std::string description;
+  std::string modality;
+  Vec3i dimensions;
+  std::int64_t frames = 1;
+};
+
 /// A volume as its file states it. Voxel (i, j, k) covers the unit cube [i, i+1) x [j, j+1) x [k, k+1) of
 /// voxel space, so its centre is at (i+0.5, j+0.5, k+0.5).
 struct VolumeDescription {
@@ -48,6 +58,8 @@ struct VolumeDescription {
   std::vector<ChannelDescription> channels = {};  ///< One a component, or none.
   /// What a person should know, a line each: slices that are tilted, uneven or missing, what is not used.
   std::vector<std::string> remarks = {};
+  std::vector<SeriesDescription> series =
+      {};  ///< Of a folder that holds several, the volume's own among them.
 };
 
 /// As VolumeFile::byte_skip: the samples are the last of the decoded bytes.

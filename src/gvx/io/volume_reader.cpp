@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "gvx/io/dicom.h"
 #include "gvx/io/header_text.h"
 #include "gvx/io/metaimage.h"
 #include "gvx/io/nifti.h"
@@ -96,9 +97,15 @@ Error no_volume(const std::string& path, const Recognised& found) {
     default:
       return file_error(
           path,
-          "not a file that gvx knows; expected a volume (NRRD, NIfTI, MetaImage), or raw samples with "
+          "not a file that gvx knows; expected a volume (NRRD, NIfTI, MetaImage, DICOM), or raw samples with "
           "their shape (--dims X,Y,Z --dtype u8)");
   }
+}
+
+Status check_describes_itself(const std::string& path, const RawOptions& raw) {
+  if (!raw.dimensions && !raw.type && !raw.big_endian && !raw.offset && !raw.components) return {};
+  return file_error(
+      path, "describes itself: dimensions, type, components, byte order and offset are for raw files only");
 }
 
 Result<VolumeFile> describe(const std::string& path, const RawOptions& raw) {
@@ -117,10 +124,7 @@ Result<VolumeFile> describe(const std::string& path, const RawOptions& raw) {
   }
   const Parser parse = parser_for(found.kind);
   if (parse == nullptr) return no_volume(path, found);
-  if (raw.dimensions || raw.type || raw.big_endian || raw.offset || raw.components) {
-    return file_error(
-        path, "describes itself: dimensions, type, components, byte order and offset are for raw files only");
-  }
+  GVX_TRY(check_describes_itself(path, raw));
   GVX_ASSIGN(VolumeFile file, parse(path));
   GVX_TRY(check_description(file.description));
   if (raw.spacing) {
@@ -283,6 +287,10 @@ Status VolumeReader::rewind() {
 }
 
 Result<std::unique_ptr<SliceReader>> open_volume(const std::string& path, const VolumeOptions& options) {
+  if (!options.raw.dimensions && is_dicom(path)) {
+    GVX_TRY(check_describes_itself(path, options.raw));
+    return open_dicom(path, options);
+  }
   if (options.series) return file_error(path, "series: only folders of DICOM files have several");
   if (options.time) return file_error(path, "time: the volume does not change with time");
   if (options.even_slices) return file_error(path, "even slices: only DICOM files have uneven ones");
@@ -292,6 +300,7 @@ Result<std::unique_ptr<SliceReader>> open_volume(const std::string& path, const 
 }
 
 std::vector<std::string> volume_files(const std::string& path, const VolumeOptions& options) {
+  if (!options.raw.dimensions && is_dicom(path)) return dicom_files(path);
   std::vector<std::string> files = {path};
   const auto described = describe(path, options.raw);
   if (!described.ok()) return files;
