@@ -122,10 +122,10 @@ Command add_build(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("build", "Build a .gvx store from a volume or mesh file");
   command
-      ->add_option(
-          "input", options->inputs,
-          "A RAW, NRRD, NIfTI or MetaImage file, or a mesh (PLY, OBJ, STL, glTF); - reads raw samples "
-          "from a pipe; several files of one shape become the channels of one volume")
+      ->add_option("input", options->inputs,
+                   "A RAW, NRRD, NIfTI, MetaImage or TIFF file, a folder of TIFF slices or a pattern such as "
+                   "'z*.tif', or a mesh (PLY, OBJ, STL, glTF); - reads raw samples from a pipe; several "
+                   "files of one shape become the channels of one volume")
       ->required()
       ->expected(1, 4);
   command->add_option("-o,--output", options->output, "The store to write, .gvx")->required();

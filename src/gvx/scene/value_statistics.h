@@ -4,8 +4,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "gvx/core/vec.h"
 #include "gvx/core/voxel.h"
 
 namespace gvx::scene {
@@ -17,6 +19,8 @@ struct ValueStatistics {
   std::uint32_t channel = 0, channels = 1;
   /// The side of a cube as large as the volume's box, in world units; 0 where it is not known.
   double size_world = 0;
+  /// In which the source shows the channel: red, green, blue from 0 to 1.
+  std::optional<Vec3d> color = {};
 
   /// The physical value below which `share` of the voxels lie, 0 to 1, linear within a bin; without a
   /// histogram, that share of the way from minimum to maximum.
