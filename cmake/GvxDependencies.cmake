@@ -17,6 +17,15 @@ if(NOT OpenEXR_FOUND)
   message(STATUS "gvx: OpenEXR not found: built without EXR pictures")
 endif()
 
+find_package(TIFF 4.5 QUIET)            # libtiff-dev
+find_package(EXPAT 2.4 QUIET)           # libexpat1-dev: the XML of OME-TIFF
+if(TIFF_FOUND AND EXPAT_FOUND)
+  set(GVX_WITH_TIFF ON)
+else()
+  set(GVX_WITH_TIFF OFF)
+  message(STATUS "gvx: libtiff 4.5 or expat 2.4 not found: built without TIFF volumes")
+endif()
+
 find_path(GVX_EMBREE_INCLUDE embree3/rtcore.h)            # libembree-dev
 find_library(GVX_EMBREE_LIBRARY embree3)
 if(NOT GVX_EMBREE_INCLUDE OR NOT GVX_EMBREE_LIBRARY)

@@ -122,11 +122,11 @@ Command add_build(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("build", "Build a .gvx store from a volume or mesh file");
   command
-      ->add_option("input", options->inputs,
-                   "A RAW, NRRD, NIfTI, MetaImage or DICOM file, a folder of DICOM files, or a mesh (PLY, "
-                   "OBJ, STL, glTF); - "
-                   "reads raw samples "
-                   "from a pipe; several files of one shape become the channels of one volume")
+      ->add_option(
+          "input", options->inputs,
+          "A RAW, NRRD, NIfTI, MetaImage, TIFF or DICOM file, a folder of TIFF slices or DICOM files, a "
+          "pattern such as 'z*.tif', or a mesh (PLY, OBJ, STL, glTF); - reads raw samples from a pipe; "
+          "several files of one shape become the channels of one volume")
       ->required()
       ->expected(1, 4);
   command->add_option("-o,--output", options->output, "The store to write, .gvx")->required();

@@ -13,6 +13,7 @@
 #include "gvx/io/value_survey.h"
 #include "gvx/io/volume_reader.h"
 #include "gvx/produce/mesh_spool.h"
+#include "gvx/store/notes.h"
 #include "gvx/store/store_reader.h"
 #include "messages.h"
 #include "open_scene.h"
@@ -49,6 +50,16 @@ nlohmann::json describe_place(const Vec3i& dimensions, const Affine3& place, boo
           {"anatomical", anatomical}};
 }
 
+/// Their names and colours, where the file says something of them.
+template <typename Channel>
+void add_channels(nlohmann::json& j, const std::vector<Channel>& channels) {
+  for (const Channel& channel : channels) {
+    nlohmann::json entry = {{"name", channel.name}};
+    if (channel.color) entry["color"] = list(Vec3d(*channel.color));
+    j["channels"].push_back(entry);
+  }
+}
+
 Result<nlohmann::json> describe_store(const std::string& path, std::vector<io::ValueSummary>& summaries) {
   GVX_ASSIGN(const auto reader, store::StoreReader::open(path));
   const store::VolumeInfo& info = reader->info();
@@ -78,6 +89,9 @@ Result<nlohmann::json> describe_store(const std::string& path, std::vector<io::V
   j["up"] = kUpAxisNames[static_cast<std::size_t>(info.up)];
   j["codec"] = store::codec_name(info.codec);
   j["source"] = info.source;
+  GVX_ASSIGN(const store::VolumeNotes notes, store::read_notes(*reader));
+  if (!notes.unit.empty()) j["unit"] = notes.unit;
+  add_channels(j, notes.channels);
   j["file_bytes"] = std::filesystem::file_size(path, error);
   j["sections"] = nlohmann::json::array();
   for (const store::Section& section : reader->sections()) {
@@ -98,6 +112,8 @@ nlohmann::json describe_volume(const io::VolumeDescription& d) {
   j["scale"] = d.scale;
   j["offset"] = d.offset;
   j["sample_bytes"] = io::volume_bytes(d);
+  if (!d.unit.empty()) j["unit"] = d.unit;
+  add_channels(j, d.channels);
   if (d.frames > 1) {
     j["frames"] = d.frames;
     j["frame"] = d.frame;
@@ -151,6 +167,17 @@ std::string joined(const nlohmann::json& list, const char* separator) {
   return text;
 }
 
+/// "DAPI (0, 0, 1), GFP".
+std::string channels_text(const nlohmann::json& channels) {
+  std::string text;
+  for (const auto& channel : channels) {
+    const std::string name = channel["name"].get<std::string>();
+    text += (text.empty() ? "" : ", ") + (name.empty() ? "no name" : one_line(name));
+    if (channel.contains("color")) text += " (" + joined(channel["color"], ", ") + ")";
+  }
+  return text;
+}
+
 void row(const char* name, const std::string& value) {
   std::printf("  %-12s %s\n", name, value.c_str());
 }
@@ -199,11 +226,13 @@ void print(const std::string& path, const nlohmann::json& j) {
     row("content", j["content"].get<std::string>() + ", " + j["planes"].dump() + " numbers a voxel");
   }
   row("spacing",
-      joined(j["spacing"], ", ") + (j["anatomical"] ? " mm, patient space (x right, y front, z up)" : ""));
+      joined(j["spacing"], ", ") + (j["anatomical"]      ? " mm, patient space (x right, y front, z up)"
+                                    : j.contains("unit") ? " " + one_line(j["unit"].get<std::string>())
+                                                         : ""));
+  if (j.contains("channels")) row("channels", channels_text(j["channels"]));
   if (j.contains("up") && j["up"] != "z") row("up", j["up"]);
   if (j.contains("frames")) {
-    row("frames",
-        j["frames"].dump() + ", of which this is " + j["frame"].dump() + " (--time chooses another)");
+    row("frames", j["frames"].dump() + " in time, of which this is " + j["frame"].dump());
   }
   if (j.contains("remarks")) {
     for (const std::string remark : j["remarks"]) row("note", remark);
@@ -293,10 +322,10 @@ Command add_info(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("info", "Say what is in a store, a volume file or a mesh");
   command
-      ->add_option("path", options->path,
-                   "A .gvx store, a RAW, NRRD, NIfTI, MetaImage or DICOM file, a folder of DICOM files, or a "
-                   "mesh (PLY, OBJ, "
-                   "STL, glTF)")
+      ->add_option(
+          "path", options->path,
+          "A .gvx store, a RAW, NRRD, NIfTI, MetaImage, TIFF or DICOM file, a folder of TIFF slices or "
+          "DICOM files, or a mesh (PLY, OBJ, STL, glTF)")
       ->required();
   command->add_flag("--json", options->json, "As JSON");
   CLI::Option* header = command->add_flag("--header", options->header,

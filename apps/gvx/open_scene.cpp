@@ -18,6 +18,7 @@
 #include "gvx/io/mesh.h"
 #include "gvx/io/scratch_file.h"
 #include "gvx/io/store_build.h"
+#include "gvx/io/tiff.h"
 #include "gvx/io/volume_reader.h"
 #include "gvx/produce/amplify_producer.h"
 #include "gvx/produce/deeper_producer.h"
@@ -72,8 +73,8 @@ Status fill_store(const Devices& devices, const std::string& path, const io::Vol
     GVX_TRY(check_all_taken(path, parts));
     GVX_TRY(before_build({VoxelType::u8, VoxelContent::color_normal, 7}));
     GVX_ASSIGN(const auto report,
-               build_mesh(devices.cpu, path, store_path, options, MeshFlags::Fill::automatic, std::nullopt, title + ": ",
-                          folder, devices.quiet));
+               build_mesh(devices.cpu, path, store_path, options, MeshFlags::Fill::automatic, std::nullopt,
+                          title + ": ", folder, devices.quiet));
     (void)report;
     return {};
   }
@@ -122,6 +123,8 @@ Result<std::unique_ptr<store::StoreReader>> build_nameless_store(const Devices& 
 Result<bool> is_store(const std::string& path) {
   if (path == "-") return false;
   std::error_code ignored;
+  // A folder or a pattern, of slices.
+  if (std::filesystem::is_directory(path, ignored) || io::is_tiff(path)) return false;
   // To look into a pipe would take away what is in it.
   if (std::filesystem::is_fifo(path, ignored)) return path.ends_with(".gvx");
   std::ifstream file(path, std::ios::binary);
@@ -139,6 +142,9 @@ scene::ValueStatistics value_statistics(const produce::TreeDescription& tree, st
   statistics.anatomical = tree.anatomical;
   statistics.channel = static_cast<std::uint32_t>(channel);
   statistics.channels = tree.format.channels();
+  if (channel < tree.channel_colors.size() && tree.channel_colors[channel]) {
+    statistics.color = Vec3d(*tree.channel_colors[channel]);
+  }
   const Vec3d size = tree.extent.maximum - tree.extent.minimum;
   statistics.size_world = std::cbrt(std::abs(determinant(tree.tree_to_world)) * size.x * size.y * size.z);
   return statistics;
@@ -260,7 +266,8 @@ void VolumeFlags::add_to(CLI::App& command) {
   const char* choice = "Volumes of several series or frames";
   command
       .add_option("--series", series_,
-                  "Series of a DICOM folder, by its number or UID as gvx info lists them")
+                  "Series of a DICOM folder, by its number or UID as gvx info lists them, or image of an "
+                  "OME-TIFF file, by its number from 1")
       ->check(not_empty())
       ->group(choice);
   command.add_option("--time", time_, "Frame of a volume that changes with time, from 0")

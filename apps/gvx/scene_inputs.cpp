@@ -12,9 +12,9 @@ namespace gvx::app {
 
 std::vector<std::string> files_of(const std::string& input, const io::VolumeOptions& options) {
   std::error_code error;
-  if (std::filesystem::is_directory(input, error)) return io::volume_files(input, options);
-  // To look into a pipe would take away what is in it.
-  if (!std::filesystem::is_regular_file(input, error)) return {input};
+  const auto status = std::filesystem::status(input, error);
+  // To look into a pipe would take away what is in it. What is not there may be a pattern.
+  if (input == "-" || (exists(status) && !is_regular_file(status) && !is_directory(status))) return {input};
   return io::is_mesh_name(input) ? io::mesh_files(input) : io::volume_files(input, options);
 }
 

@@ -23,6 +23,12 @@ ChannelMerger::ChannelMerger(std::vector<std::unique_ptr<SliceReader>> channels)
     : channels_(std::move(channels)), description_(channels_.front()->description()) {
   description_.components = static_cast<int>(channels_.size());
   description_.labels = false;
+  description_.channels.clear();
+  for (const auto& channel : channels_) {
+    const auto& described = channel->description().channels;
+    if (described.size() == 1) description_.channels.push_back(described.front());
+  }
+  if (description_.channels.size() != channels_.size()) description_.channels.clear();
 }
 
 Result<std::unique_ptr<ChannelMerger>> ChannelMerger::merge(

@@ -93,18 +93,53 @@ Status interpret_dimensions(const NiftiHeader& header, VolumeDescription& descri
   if (header.dim[1] < 1)
     return file_error(path, "dim[1]: expected 1 or more, found " + std::to_string(header.dim[1]));
   description.dimensions = {1, 1, 1};
-  double volumes = 1;
   for (std::size_t i = 1; i <= static_cast<std::size_t>(count); ++i) {
     // As nifti1_io.c takes them: files in the wild have 0 for axes that they do not use.
     const std::int64_t length = std::max<std::int64_t>(header.dim[i], 1);
     if (i <= 3) {
       description.dimensions[static_cast<int>(i) - 1] = length;
-    } else {
-      volumes *= static_cast<double>(length);
+    } else if (i == 4) {
+      description.frames = length;
+    } else if (length > (i == 5 ? 4 : 1)) {
+      return file_error(path, "dim[" + std::to_string(i) + "]: expected " +
+                                  (i == 5 ? "1 to 4 numbers a voxel" : "1") + ", found " +
+                                  std::to_string(length));
     }
   }
-  if (volumes == 1) return {};
-  return file_error(path, "dim: expected one volume, found " + number_text(volumes) + " volumes");
+  return {};
+}
+
+/// Which of the volumes in the file are read: one point in time, and all numbers of a vector. A vector's
+/// numbers lie further apart than points in time.
+Status choose_volumes(const NiftiHeader& header, std::optional<std::int64_t> time, VolumeFile& file) {
+  VolumeDescription& d = file.description;
+  const std::int64_t numbers = header.dim[0] >= 5 ? std::max<std::int64_t>(header.dim[5], 1) : 1;
+  d.frame = time.value_or(0);
+  if (d.frame < 0 || d.frame >= d.frames) {
+    return file_error(d.path, d.frames == 1
+                                  ? "time: the volume does not change with time"
+                                  : "time: expected a frame from 0 to " + std::to_string(d.frames - 1) +
+                                        ", found " + std::to_string(d.frame));
+  }
+  if (d.frames > 1 && !time) {
+    d.remarks.push_back("has " + std::to_string(d.frames) +
+                        " frames in time; the first is read (--time 0 to " + std::to_string(d.frames - 1) +
+                        " chooses one)");
+  }
+  if (numbers > 1 && d.colors) return file_error(d.path, "dim[5]: expected 1 for colours");
+  if (d.frames == 1 && numbers == 1) return {};
+  GVX_TRY(check_description(d));
+  const std::uint64_t one = volume_bytes(d);
+  std::uint64_t all = 0;
+  if (__builtin_mul_overflow(one, static_cast<std::uint64_t>(d.frames * numbers), &all) ||
+      d.frames > INT64_MAX / numbers || all >= std::uint64_t{1} << 62) {
+    return file_error(d.path, "dim: expected less than 2^62 bytes in all");
+  }
+  file.byte_skip += static_cast<std::int64_t>(one) * d.frame;
+  file.bytes_behind = all - one * static_cast<std::uint64_t>(d.frame + 1);
+  file.planes = static_cast<int>(numbers);
+  file.plane_bytes = one * static_cast<std::uint64_t>(d.frames);
+  return {};
 }
 
 double millimetres_per_unit(int xyzt_units) {
@@ -204,7 +239,7 @@ Result<std::int64_t> data_offset(const std::string& path, const NiftiHeader& hea
 
 }  // namespace
 
-Result<VolumeFile> parse_nifti(const std::string& path) {
+Result<VolumeFile> parse_nifti(const std::string& path, std::optional<std::int64_t> time) {
   const FilePair files = find_files(path);
   GVX_ASSIGN(const NiftiHeader header, read_nifti_header(files.header_path));
   const bool single = header.kind == NiftiHeader::Kind::single;
@@ -234,6 +269,7 @@ Result<VolumeFile> parse_nifti(const std::string& path) {
     file.description.labels = names_classes(header, file.description);
   }
   GVX_ASSIGN(file.byte_skip, data_offset(path, header));
+  GVX_TRY(choose_volumes(header, time, file));
   GVX_ASSIGN(file.encoding, detect_gzip(file.data_paths.front()));
   return file;
 }

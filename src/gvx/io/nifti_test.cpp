@@ -168,8 +168,9 @@ TEST(Nifti, errors_name_the_field) {
   expect_error(Header(good).set_shorts(40, {8}), "dim[0]: expected");
   expect_error(Header(good).set_shorts(40, {1}), "dim[0]: expected");
   expect_error(Header(good).set_shorts(42, {-4}), "dim[1]: expected 1 or more, found -4");
-  expect_error(Header(good).set_shorts(40, {4, 4, 3, 2, 5}), "found 5 volumes");
-  expect_error(Header(good).set_shorts(40, {5, 4, 3, 2, 3, 3}), "found 9 volumes");
+  expect_error(Header(good).set_shorts(40, {4, 4, 3, 2, 5}), "size: expected 472 bytes of data, found 376");
+  expect_error(Header(good).set_shorts(40, {5, 4, 3, 2, 3, 5}), "dim[5]: expected 1 to 4 numbers a voxel");
+  expect_error(Header(good).set_shorts(40, {6, 4, 3, 2, 1, 1, 2}), "dim[6]: expected 1, found 2");
   expect_error(Header(good).set_shorts(70, {32}), "(complex numbers)");
   expect_error(Header(good).set_shorts(70, {1536}), "(numbers of 128 bits)");
   expect_error(Header(good).set_shorts(70, {12345}), "found code 12345");
@@ -252,10 +253,12 @@ TEST(Nifti, second_version) {
   };
   EXPECT_NE(
       error_of(Header2(SampleType::u8).set<std::int64_t>(16, 4).set<std::int64_t>(48, std::int64_t{1} << 40))
-          .find("found 1099511627776 volumes"),
-      std::string::npos)
-      << error_of(
-             Header2(SampleType::u8).set<std::int64_t>(16, 4).set<std::int64_t>(48, std::int64_t{1} << 40));
+          .find("size: expected"),
+      std::string::npos);
+  EXPECT_NE(
+      error_of(Header2(SampleType::u8).set<std::int64_t>(16, 4).set<std::int64_t>(48, std::int64_t{1} << 60))
+          .find("dim: expected less than 2^62 bytes in all"),
+      std::string::npos);
   EXPECT_NE(error_of(Header2(SampleType::u8).set<std::int64_t>(24, std::int64_t{1} << 40))
                 .find("dimensions: expected"),
             std::string::npos);
@@ -266,6 +269,59 @@ TEST(Nifti, second_version) {
   EXPECT_NE(error_of(nameless).find("magic: expected n+2 or ni2"), std::string::npos);
   write_file(path, header.bytes.substr(0, 400));
   EXPECT_NE(outcome(load(path)).find("header: expected 540 bytes, found 400"), std::string::npos);
+}
+
+TEST(Nifti, OneOfSeveralFrames) {
+  const std::string all = small_samples(SampleType::u8, false) + std::string(24, 'b') + std::string(24, 'c');
+  const std::string header = Header(SampleType::u8).set_shorts(40, {4, 4, 3, 2, 3}).bytes;
+  for (const char* name : {"frames.nii", "frames.nii.gz"}) {
+    const std::string path = temporary_path(name);
+    const bool packed = path.ends_with(".gz");
+    write_file(path, packed ? deflated(header + all, kGzip) : header + all);
+    for (std::int64_t time = 0; time < 3; ++time) {
+      VolumeOptions options;
+      options.time = time;
+      const auto reader = open_volume(path, options);
+      ASSERT_TRUE(reader.ok()) << outcome(reader);
+      EXPECT_EQ(reader.value()->description().frames, 3);
+      EXPECT_EQ(reader.value()->description().frame, time);
+      EXPECT_TRUE(reader.value()->description().remarks.empty());
+      EXPECT_EQ(read_all(*reader.value()).value(), all.substr(24 * static_cast<std::size_t>(time), 24));
+      // What lies behind are other frames.
+      EXPECT_TRUE(reader.value()->surplus().empty());
+    }
+    EXPECT_EQ(load(path).value(), all.substr(0, 24));
+    const VolumeDescription first = describe(path).value();
+    ASSERT_EQ(first.remarks.size(), 1u);
+    EXPECT_EQ(first.remarks[0], "has 3 frames in time; the first is read (--time 0 to 2 chooses one)");
+    VolumeOptions beyond;
+    beyond.time = 3;
+    EXPECT_NE(outcome(describe(path, beyond)).find("time: expected a frame from 0 to 2, found 3"),
+              std::string::npos);
+  }
+  const std::string path = temporary_path("frames.nii");
+  write_file(path, header + all + "more");
+  const auto reader = open_volume(path, {});
+  ASSERT_TRUE(read_all(*reader.value()).ok());
+  const auto surplus = reader.value()->surplus();
+  ASSERT_EQ(surplus.size(), 1u);
+  EXPECT_EQ(surplus[0].bytes, 4u);
+}
+
+TEST(Nifti, VectorsAreChannels) {
+  // Two frames of vectors of two numbers: dim[5] is the slowest axis.
+  const std::string all =
+      std::string(24, 'a') + std::string(24, 'b') + std::string(24, 'A') + std::string(24, 'B');
+  const std::string header = Header(SampleType::u8).set_shorts(40, {5, 4, 3, 2, 2, 2}).bytes;
+  for (const char* name : {"vectors.nii", "vectors.nii.gz"}) {
+    const std::string path = temporary_path(name);
+    write_file(path, path.ends_with(".gz") ? deflated(header + all, kGzip) : header + all);
+    VolumeOptions options;
+    options.time = 1;
+    EXPECT_EQ(describe(path, options).value().components, 2);
+    EXPECT_EQ(load(path, options).value().substr(0, 4), "bBbB");
+    EXPECT_EQ(load(path).value().substr(0, 4), "aAaA");
+  }
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "gvx/exec/parallel.h"
 #include "gvx/io/header_text.h"
 #include "gvx/io/sample_conversion.h"
+#include "gvx/store/notes.h"
 #include "gvx/store/pyramid.h"
 #include "gvx/store/store_writer.h"
 
@@ -257,6 +258,15 @@ class Prospector {
   std::function<void(std::size_t)> progress_;
 };
 
+/// Of channels, where there are as many as the store has.
+store::VolumeNotes notes_of(const VolumeDescription& d, std::size_t channels) {
+  store::VolumeNotes notes{d.unit, {}};
+  if (d.channels.size() != channels) return notes;
+  for (const ChannelDescription& channel : d.channels)
+    notes.channels.push_back({channel.name, channel.color});
+  return notes;
+}
+
 bool same_bytes(SampleType from, const Conversion& c) {
   return (from == SampleType::u8 && c.type == VoxelType::u8) ||
          (from == SampleType::u16 && c.type == VoxelType::u16);
@@ -371,6 +381,7 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reade
     GVX_ASSIGN(samples, batches.take());
   }
   report.surplus = reader.surplus();
+  GVX_TRY(store::write_notes(*writer, notes_of(d, info.format.channels())));
   GVX_TRY(pyramid.finish());
   report.bytes_written = writer->bytes_written();
   report.not_finite = account.not_finite;

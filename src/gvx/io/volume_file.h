@@ -51,6 +51,7 @@ struct VolumeDescription {
   Affine3 voxel_to_world;   ///< From voxel space to world space, in the file's units unless anatomical.
   bool anatomical =
       false;         ///< World space is a patient: x to the right, y to the front, z up, in millimetres.
+  std::string unit;  ///< Of lengths in world space, as the file writes it, such as "mm"; empty: not known.
   double scale = 1;  ///< Physical value = scale * stored sample + offset.
   double offset = 0;
   std::int64_t frames = 1;  ///< Points in time that the file has; the volume is one of them.
@@ -75,6 +76,12 @@ struct VolumeFile {
   Encoding encoding = Encoding::raw;
   StreamStart start;
   std::int64_t byte_skip = 0;  ///< Decoded bytes before the first sample of a file, or kSamplesAtEnd.
+  /// Behind the samples, of other volumes: other points in time, other components. They must be there.
+  std::uint64_t bytes_behind = 0;
+  /// Components that lie in volumes of their own, and the bytes from one to the next. The description and
+  /// bytes_behind are those of the first alone.
+  int planes = 1;
+  std::uint64_t plane_bytes = 0;
   bool exact_size = false;  ///< Bytes behind the last sample are an error where the file's size shows them.
 };
 

@@ -9,12 +9,14 @@
 #include <system_error>
 #include <utility>
 
+#include "gvx/io/channel_merger.h"
 #include "gvx/io/dicom.h"
 #include "gvx/io/header_text.h"
 #include "gvx/io/metaimage.h"
 #include "gvx/io/nifti.h"
 #include "gvx/io/nrrd.h"
 #include "gvx/io/recognise.h"
+#include "gvx/io/tiff.h"
 
 namespace gvx::io {
 namespace {
@@ -70,16 +72,27 @@ Result<std::uint64_t> count_bytes_and_rewind(ByteStream& stream) {
   return count;
 }
 
-using Parser = Result<VolumeFile> (*)(const std::string& path);
+using Parser = Result<VolumeFile> (*)(const std::string& path, const VolumeOptions& options);
+
+/// The parser of a format whose volumes do not change with time.
+template <Result<VolumeFile> (*kParse)(const std::string&)>
+Result<VolumeFile> parse_one_frame(const std::string& path, const VolumeOptions& options) {
+  if (options.time) return file_error(path, "time: the volume does not change with time");
+  return kParse(path);
+}
+
+Result<VolumeFile> parse_frame_of_nifti(const std::string& path, const VolumeOptions& options) {
+  return parse_nifti(path, options.time);
+}
 
 Parser parser_for(FileKind kind) {
   switch (kind) {
     case FileKind::nrrd:
-      return parse_nrrd;
+      return parse_one_frame<parse_nrrd>;
     case FileKind::nifti:
-      return parse_nifti;
+      return parse_frame_of_nifti;
     case FileKind::metaimage:
-      return parse_metaimage;
+      return parse_one_frame<parse_metaimage>;
     default:
       return nullptr;
   }
@@ -95,21 +108,38 @@ Error no_volume(const std::string& path, const Recognised& found) {
       return file_error(
           path, "expected a volume, found a mesh; a mesh's name ends in .ply, .obj, .stl, .gltf or .glb");
     default:
-      return file_error(
-          path,
-          "not a file that gvx knows; expected a volume (NRRD, NIfTI, MetaImage, DICOM), or raw samples with "
-          "their shape (--dims X,Y,Z --dtype u8)");
+      return file_error(path,
+                        "not a file that gvx knows; expected a volume (NRRD, NIfTI, MetaImage, TIFF, DICOM), "
+                        "or raw samples with "
+                        "their shape (--dims X,Y,Z --dtype u8)");
   }
 }
 
-Status check_describes_itself(const std::string& path, const RawOptions& raw) {
-  if (!raw.dimensions && !raw.type && !raw.big_endian && !raw.offset && !raw.components) return {};
-  return file_error(
-      path, "describes itself: dimensions, type, components, byte order and offset are for raw files only");
+/// Of files that describe themselves.
+Status check_no_raw_options(const std::string& path, const RawOptions& raw) {
+  if (raw.dimensions || raw.type || raw.big_endian || raw.offset || raw.components) {
+    return file_error(
+        path, "describes itself: dimensions, type, components, byte order and offset are for raw files only");
+  }
+  if (raw.spacing) GVX_TRY(check_spacing(path, *raw.spacing));
+  return {};
 }
 
-Result<VolumeFile> describe(const std::string& path, const RawOptions& raw) {
-  if (path == "-") return describe_raw(path, raw);
+/// Not what the name says to be of another format, such as a slide, which is TIFF inside.
+bool is_tiff_volume(const std::string& path) {
+  if (path == "-") return false;
+  const FileKind named = kind_by_name(path);
+  return (named == FileKind::tiff || named == FileKind::unknown) && is_tiff(path);
+}
+
+Result<VolumeFile> describe_still_raw(const std::string& path, const VolumeOptions& options) {
+  if (options.time) return file_error(path, "time: the volume does not change with time");
+  return describe_raw(path, options.raw);
+}
+
+Result<VolumeFile> describe(const std::string& path, const VolumeOptions& options) {
+  const RawOptions& raw = options.raw;
+  if (path == "-") return describe_still_raw(path, options);
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
     return file_error(path, "cannot open: " + (error ? error.message() : "No such file or directory"));
@@ -118,20 +148,33 @@ Result<VolumeFile> describe(const std::string& path, const RawOptions& raw) {
   const FileKind named = kind_by_name(path);
   const bool names_raw = named == FileKind::raw || (raw.dimensions && parser_for(named) == nullptr);
   if (names_raw && !found.folder) {
-    auto described = describe_raw(path, raw);
+    auto described = describe_still_raw(path, options);
     // Where nothing says the shape, the file may be something else.
     if (described.ok() || found.kind == FileKind::raw) return described;
   }
   const Parser parse = parser_for(found.kind);
   if (parse == nullptr) return no_volume(path, found);
-  GVX_TRY(check_describes_itself(path, raw));
-  GVX_ASSIGN(VolumeFile file, parse(path));
+  GVX_TRY(check_no_raw_options(path, raw));
+  GVX_ASSIGN(VolumeFile file, parse(path, options));
   GVX_TRY(check_description(file.description));
   if (raw.spacing) {
-    GVX_TRY(check_spacing(path, *raw.spacing));
     file.description.voxel_to_world = with_spacing(file.description.voxel_to_world, *raw.spacing);
   }
   return file;
+}
+
+/// A reader for each plane, whose samples it puts side by side.
+Result<std::unique_ptr<SliceReader>> open_planes(const VolumeFile& file) {
+  std::vector<std::unique_ptr<SliceReader>> planes;
+  for (int i = 0; i < file.planes; ++i) {
+    VolumeFile plane = file;
+    const std::uint64_t before = static_cast<std::uint64_t>(i) * file.plane_bytes;
+    plane.byte_skip += static_cast<std::int64_t>(before);
+    plane.bytes_behind -= before;
+    GVX_ASSIGN(planes.emplace_back(), VolumeReader::open(std::move(plane)));
+  }
+  GVX_ASSIGN(std::unique_ptr<SliceReader> merged, ChannelMerger::merge(std::move(planes)));
+  return merged;
 }
 
 }  // namespace
@@ -209,7 +252,7 @@ Status VolumeReader::find_first_sample() {
 Status VolumeReader::check_size() const {
   const std::optional<std::uint64_t> there = stream_->bytes_left();
   if (!there) return {};
-  const std::uint64_t expected = first_sample_ + share_bytes();
+  const std::uint64_t expected = first_sample_ + share_bytes() + file_.bytes_behind;
   if (*there >= expected && !(file_.exact_size && *there > expected)) return {};
   return file_error(stream_->name(), "size: expected " + std::to_string(expected) + " bytes of data, found " +
                                          std::to_string(*there));
@@ -254,6 +297,12 @@ Status VolumeReader::read_slices(std::int64_t count, std::span<std::byte> out) {
 
 std::vector<Surplus> VolumeReader::surplus() {
   if (file_.encoding == Encoding::ascii || file_.byte_skip == kSamplesAtEnd) return {};
+  if (file_.bytes_behind > 0) {
+    // Of packed files no more than the frame is decoded.
+    const auto skipped =
+        stream_->bytes_left() ? stream_->skip(file_.bytes_behind) : Result<std::uint64_t>(std::uint64_t{0});
+    if (!skipped.ok() || skipped.value() < file_.bytes_behind) return {};
+  }
   const std::optional<std::uint64_t> left = stream_->bytes_left();
   const std::size_t known = behind_.size();
   bool counted = true;
@@ -288,21 +337,27 @@ Status VolumeReader::rewind() {
 
 Result<std::unique_ptr<SliceReader>> open_volume(const std::string& path, const VolumeOptions& options) {
   if (!options.raw.dimensions && is_dicom(path)) {
-    GVX_TRY(check_describes_itself(path, options.raw));
+    GVX_TRY(check_no_raw_options(path, options.raw));
     return open_dicom(path, options);
   }
-  if (options.series) return file_error(path, "series: only folders of DICOM files have several");
-  if (options.time) return file_error(path, "time: the volume does not change with time");
+  if (is_tiff_volume(path)) {
+    GVX_TRY(check_no_raw_options(path, options.raw));
+    if (options.even_slices) return file_error(path, "even slices: only DICOM files have uneven ones");
+    return open_tiff(path, options);
+  }
+  if (options.series) return file_error(path, "series: only DICOM folders and OME-TIFF files have several");
   if (options.even_slices) return file_error(path, "even slices: only DICOM files have uneven ones");
-  GVX_ASSIGN(VolumeFile file, describe(path, options.raw));
+  GVX_ASSIGN(VolumeFile file, describe(path, options));
+  if (file.planes > 1) return open_planes(file);
   GVX_ASSIGN(std::unique_ptr<SliceReader> reader, VolumeReader::open(std::move(file)));
   return reader;
 }
 
 std::vector<std::string> volume_files(const std::string& path, const VolumeOptions& options) {
   if (!options.raw.dimensions && is_dicom(path)) return dicom_files(path);
+  if (is_tiff_volume(path)) return tiff_files(path, options);
   std::vector<std::string> files = {path};
-  const auto described = describe(path, options.raw);
+  const auto described = describe(path, options);
   if (!described.ok()) return files;
   const auto add = [&](const std::string& file) {
     if (!file.empty() && file != path) files.push_back(file);

@@ -41,6 +41,8 @@ struct TreeDescription {
   bool no_data = false;          ///< f32 voxels may be NaN: no data, which is transparent
   /// For each channel: counts of voxels in equal bins over its range. May be empty.
   std::vector<std::vector<std::uint64_t>> histograms;
+  /// In which the source shows its channels: red, green, blue from 0 to 1. One a channel, or none.
+  std::vector<std::optional<Vec3f>> channel_colors;
   /// describe() returns exact ranges. If not, the engine looks for finest bricks that are constant after all.
   bool exact_ranges = false;
   std::uint64_t bricks = 0;  ///< the most bricks that there can be, or 0 if unknown: limits the memory

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "gvx/store/notes.h"
+
 namespace gvx::produce {
 
 StoreProducer::StoreProducer(std::unique_ptr<store::StoreReader> reader) : reader_(std::move(reader)) {
@@ -23,6 +25,11 @@ StoreProducer::StoreProducer(std::unique_ptr<store::StoreReader> reader) : reade
   description_.ranges = info.ranges;
   description_.no_data = info.no_data;
   description_.histograms = info.histograms;
+  // Broken notes are found by verify; they are no reason not to show the volume.
+  if (const auto notes = store::read_notes(*reader_); notes.ok()) {
+    for (const store::ChannelNotes& channel : notes.value().channels)
+      description_.channel_colors.push_back(channel.color);
+  }
   description_.bricks = info.shape.nodes();
 }
 

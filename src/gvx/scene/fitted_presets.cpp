@@ -130,7 +130,7 @@ TransferFunction microscopy_function(const ValueStatistics& s) {
   constexpr std::array<Vec3d, 4> kHues = {Vec3d(0.25, 1, 0.35), Vec3d(1, 0.2, 0.9), Vec3d(0.25, 0.75, 1),
                                           Vec3d(1, 0.85, 0.2)};
   constexpr double kUnits = 200;
-  const Vec3d hue = s.channels > 1 ? kHues[s.channel % 4] : Vec3d(0.55, 1, 0.75);
+  const Vec3d hue = s.color.value_or(s.channels > 1 ? kHues[s.channel % 4] : Vec3d(0.55, 1, 0.75));
   const double width = s.width();
   double low = s.minimum + 0.2 * width, high = s.maximum;
   if (!s.histogram.empty()) {

@@ -4,8 +4,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "gvx/core/vec.h"
 #include "gvx/core/voxel.h"
 
 namespace gvx::scene {
@@ -17,6 +19,8 @@ struct ValueStatistics {
   std::uint32_t channel = 0, channels = 1;
   /// The side of a cube as large as the volume's box, in world units; 0 if it is not known.
   double size_world = 0;
+  /// In which the source shows the channel: red, green, blue from 0 to 1.
+  std::optional<Vec3d> color = {};
 
   /// The physical value below which this share (0 to 1) of the voxels lie; linear within a bin. Without a
   /// histogram: the value at that share of the way from minimum to maximum.
