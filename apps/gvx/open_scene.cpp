@@ -69,8 +69,8 @@ Status fill_store(const Devices& devices, const std::string& path, const io::Vol
     GVX_TRY(check_all_taken(path, parts));
     GVX_TRY(before_build({VoxelType::u8, VoxelContent::color_normal, 7}));
     GVX_ASSIGN(const auto report,
-               build_mesh(devices.cpu, path, store_path, options, MeshFlags::Fill::automatic, std::nullopt, title + ": ",
-                          folder, devices.quiet));
+               build_mesh(devices.cpu, path, store_path, options, MeshFlags::Fill::automatic, std::nullopt,
+                          title + ": ", folder, devices.quiet));
     (void)report;
     return {};
   }
