@@ -85,10 +85,11 @@ class VolumeReader final : public SliceReader {
   std::vector<std::byte> behind_;  // decoded bytes that were read behind the last sample
 };
 
-/// Opens a volume file: .nrrd, .nhdr, .nii, .hdr/.img, .mha, .mhd, or raw samples. NIfTI may end in .gz. Raw
-/// samples are .raw, .bin or .dat, also with .gz or .bz2; any other name if `options.raw` gives the
-/// dimensions; and "-" for standard input. The spacing in `options.raw` replaces that of any format. Its
-/// other options are an error for files with a header, and so are options that the format does not have.
+/// Opens a volume file: .nrrd, .nhdr, .nii, .hdr/.img, .mha, .mhd, DICOM (a file or a folder), or raw
+/// samples. NIfTI may end in .gz. Raw samples are .raw, .bin or .dat, also with .gz or .bz2; any other name
+/// if `options.raw` gives the dimensions; and "-" for standard input. The spacing in `options.raw` replaces
+/// that of any format. Its other options are an error for files with a header, and so are options that the
+/// format does not have.
 Result<std::unique_ptr<SliceReader>> open_volume(const std::string& path, const VolumeOptions& options);
 
 /// The files that open_volume() would read, according to the header. If the header cannot be read: only
