@@ -45,7 +45,7 @@ TEST_F(Program, builds_verifies_describes_and_renders) {
   EXPECT_EQ(info["brick"], 8);
   EXPECT_EQ(info["codec"], "lz4");
   EXPECT_EQ(info["format"], "gvx store, version 3");
-  EXPECT_EQ(info["border"], 1);
+  EXPECT_EQ(info["border"], 2);
   ASSERT_EQ(info["sections"].size(), 3u);
   EXPECT_EQ(info["sections"][0]["name"], "directory");
   EXPECT_NE(gvx("info ball.gvx").output.find("directory"), std::string::npos);

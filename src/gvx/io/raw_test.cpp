@@ -1,5 +1,6 @@
 #include "gvx/io/raw.h"
 
+#include <filesystem>
 #include <cmath>
 #include <limits>
 #include <thread>
@@ -131,7 +132,9 @@ TEST(RawVolume, missing_hints_files_and_folders) {
             std::string::npos);
   EXPECT_NE(outcome(describe(temporary_path("missing_1x1x1_u8.raw"))).find("cannot open"), std::string::npos);
   const RawOptions one{.dimensions = Vec3i(1, 1, 1), .type = SampleType::u8};
-  EXPECT_NE(outcome(describe(temporary_path(""), one)).find("a folder"), std::string::npos);
+  const std::string folder = temporary_path("empty_folder");
+  std::filesystem::create_directory(folder);
+  EXPECT_NE(outcome(describe(folder, one)).find("a folder"), std::string::npos);
 }
 
 TEST(RawVolume, a_pipe_is_read_once_and_cannot_rewind) {
