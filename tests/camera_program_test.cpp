@@ -148,7 +148,7 @@ TEST_F(Cameras, a_mesh_stands_upright_and_fills_the_picture) {
   EXPECT_EQ(info["up_guessed"], true);
   EXPECT_EQ(info["maximum"], (std::vector<double>{1, 3, 1}));
   EXPECT_NE(gvx("info tall.obj").output.find("y, as in most OBJ files"), std::string::npos);
-  const std::string said = "y is up, as in most OBJ files (--up says otherwise)";
+  const std::string said = "y is up, as in most OBJ files (--up overrides it)";
   const Outcome built = gvx("build tall.obj -o tall.gvx --resolution 200");
   EXPECT_NE(built.output.find(said), std::string::npos) << built.output;
   EXPECT_EQ(nlohmann::json::parse(gvx("info tall.gvx --json").output)["up"], "y");

@@ -68,6 +68,10 @@ TEST_F(Messages, a_bad_value_is_told_with_its_flag_and_what_was_expected) {
   expect_line("render sponge -o a.png --ambient -1", "--ambient: expected a number from 0 to 100, found -1.0",
               1);
   expect_line("render sponge -o a.png --size 0x7", "--size: '0x7' is not a size such as 1280x720", 1);
+  expect_line("render sponge -o a.png --size 1x99999",
+              "--size: height: expected a whole number from 1 to 32768, found 99999", 1);
+  expect_line("render sponge -o a.png --background red",
+              "--background: 'red' is not red,green,blue: three numbers such as 0.2,0.3,0.4", 1);
 }
 
 TEST_F(Messages, what_is_missing_or_too_much_is_told) {

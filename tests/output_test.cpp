@@ -421,7 +421,7 @@ TEST_F(Outputs, hostile_arguments_are_one_line) {
     EXPECT_EQ(full.status, 1);
     EXPECT_NE(full.output.find("standard output: cannot write"), std::string::npos) << full.output;
   }
-  EXPECT_EQ(gvx("render --help | head -n 1").output, "Render a picture of a scene\n");
+  EXPECT_EQ(gvx("render --help | head -n 1").output, "Make a picture of a scene\n");
   // A closed stream must not become the picture.
   const Outcome closed = gvx("render sponge --size 8x8 -o closed.png >&-");
   EXPECT_EQ(closed.status, 1);

@@ -120,20 +120,21 @@ Status build(const Options& o) {
 
 Command add_build(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("build", "Build a .gvx store from a volume or mesh file");
+  CLI::App* command = program.add_subcommand("build", "Save a volume or mesh as a .gvx store");
   command
       ->add_option(
           "input", options->inputs,
-          "A RAW, NRRD, NIfTI, MetaImage, TIFF or DICOM file, a folder of TIFF slices or DICOM files, a "
-          "pattern such as 'z*.tif', or a mesh (PLY, OBJ, STL, glTF); - reads raw samples from a pipe; "
-          "several files of one shape become the channels of one volume")
+          "A DICOM, TIFF, NIfTI, NRRD, MetaImage or RAW file; a folder of DICOM files or TIFF slices; a "
+          "pattern such as 'z*.tif'; or a mesh (PLY, OBJ, STL, glTF). - reads raw samples from a pipe. "
+          "Two to four files of one shape become the channels of one volume")
       ->required()
       ->expected(1, 4);
-  command->add_option("-o,--output", options->output, "The store to write, .gvx")->required();
+  command->add_option("-o,--output", options->output, "The store to write; its name ends in .gvx")
+      ->required();
   command->add_option("--brick", options->brick, "Voxels along an edge of a brick")
       ->check(CLI::IsMember({8, 16, 32}))
       ->capture_default_str();
-  command->add_option("--tree", options->tree, "Children along an edge of a node (N)")
+  command->add_option("--tree", options->tree, "Factor between the resolutions of two levels")
       ->check(CLI::IsMember({2, 3}))
       ->capture_default_str();
   command->add_option("--codec", options->codec, "Compression of bricks")
@@ -141,15 +142,15 @@ Command add_build(CLI::App& program) {
       ->capture_default_str();
   command
       ->add_option("--type", options->type,
-                   "Type of the voxels; without it u8 or u16 for samples of 8 or 16 bits, else f32")
+                   "Type of the voxels (default: u8 or u16 for samples of 8 or 16 bits, else f32)")
       ->check(CLI::IsMember({"u8", "u16", "f32"}));
-  command->add_option("--memory", options->memory, "Most memory that the build takes")->capture_default_str();
-  command->add_option("--threads", options->threads, "Threads; 0 takes all cores")
+  command->add_option("--memory", options->memory, "Memory that the build may take")->capture_default_str();
+  command->add_option("--threads", options->threads, "Number of threads; 0: all cores")
       ->check(CLI::Range(0, 1024));
   options->labels_option = command->add_flag("--labels,!--no-labels", options->labels,
-                                             "The numbers name classes, or are values: classes are never "
-                                             "averaged or blended, coarse levels take the "
-                                             "most frequent. Without it the file says which");
+                                             "The numbers name classes, or they are values (default: as the "
+                                             "file says). Classes are never averaged or blended: coarse "
+                                             "levels take the most frequent one");
   command->add_flag("--force", options->force, "Replace the store if it exists");
   options->volume.add_to(*command);
   options->mesh.add_to(*command);

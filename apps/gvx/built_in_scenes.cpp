@@ -51,7 +51,8 @@ produce::TreeDescription density_tree(std::uint32_t m, std::uint32_t max_level) 
   return tree;
 }
 
-/// Example 4 of the 2008 report: bricks of 32, five octaves, 2048^3.
+/// Example 4 of the 2008 report: 2048^3 voxels in bricks of 32^3. Noise has six octaves unless `parts` says
+/// otherwise.
 struct CloudScene {
   produce::HypertextureOptions options;
   produce::TreeDescription tree = density_tree(32, 6);

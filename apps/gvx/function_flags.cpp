@@ -46,7 +46,7 @@ Result<scene::PercentileRange> parse_percentiles(const std::string& text) {
   return scene::PercentileRange{(*numbers)[0], (*numbers)[1]};
 }
 
-/// Of `count` functions, or as many as there are: the last says it for those that are left.
+/// Changes function i by value i. If there are fewer values, the last one is repeated.
 template <typename Values, typename Change>
 void change_functions(std::vector<scene::FunctionParts>& functions, const Values& values, Change change) {
   if (values.empty()) return;
@@ -70,37 +70,38 @@ void FunctionFlags::add_to(CLI::App& command) {
   const auto one_at_a_time = [](CLI::Option* option) { option->allow_extra_args(false); };
   one_at_a_time(
       command
-          .add_option("--tf", functions_,
-                      "Transfer function, one a channel: a ParaView JSON colour map, or a preset: " +
-                          joined(scene::preset_names()) + "; without it a preset that suits the values")
+          .add_option(
+              "--tf", functions_,
+              "Transfer function: a ParaView JSON colour map, or a preset: " + joined(scene::preset_names()) +
+                  " (default: a preset that suits the values). Give it once for each channel")
           ->check(not_empty()));
   one_at_a_time(command
                     .add_option("--window", windows_,
-                                "LEVEL,WIDTH: the transfer function goes from LEVEL - WIDTH/2 to LEVEL + "
-                                "WIDTH/2, physical values; again for each channel")
+                                "LEVEL,WIDTH: fit the transfer function to the physical values from "
+                                "LEVEL - WIDTH/2 to LEVEL + WIDTH/2. Give it once for each channel")
                     ->check(not_empty()));
   one_at_a_time(command
                     .add_option("--percentile", percentiles_,
-                                "LOW,HIGH: the transfer function goes from one percentile of the voxels' "
-                                "values to another, as 5,99.5; again for each channel")
+                                "LOW,HIGH: fit the transfer function to the values between these "
+                                "percentiles, such as 5,99.5. Give it once for each channel")
                     ->check(not_empty()));
   one_at_a_time(command.add_option("--opacity", opacities_,
-                                   "Factor of the transfer function's opacities, as 0.3; again for each "
-                                   "channel (1)"));
+                                   "Multiply all opacities of the transfer function, for example by 0.3. "
+                                   "Give it once for each channel"));
   command
       .add_option(
           "--gradient-opacity", gradients_,
-          "g0,f0,g1,f1,...: the extinction's factor f where the gradient, in values per world unit, is g")
+          "G0,F0,G1,F1,...: multiply the extinction by F where the gradient is G, in values per world unit")
       ->check(not_empty());
   labels_option_ =
       command
           .add_option(
               "--labels", labels_,
-              "The numbers name classes, each with a colour of its own; of a table where a FILE "
-              "follows: FreeSurfer's or ITK-SNAP's labels, CSV or TSV. Implied where the file says so")
+              "The numbers of the volume name classes. Each class has a colour of its own, or the one in "
+              "FILE: a table of FreeSurfer, 3D Slicer or ITK-SNAP, CSV or TSV (default: as the volume says)")
           ->expected(0, 1)
           ->type_name("[FILE]");
-  command.add_flag("--no-labels", no_labels_, "The numbers are values, also where the file says labels")
+  command.add_flag("--no-labels", no_labels_, "The numbers are values, even if the volume says labels")
       ->excludes(labels_option_);
 }
 

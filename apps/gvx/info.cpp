@@ -215,7 +215,7 @@ void print(const std::string& path, const nlohmann::json& j) {
     row("from", joined(j["minimum"], ", "));
     row("to", joined(j["maximum"], ", "));
     row("up", j["up"].get<std::string>() + ", " + j["up_why"].get<std::string>() +
-                  (j["up_guessed"] ? " (--up of render and build says otherwise)" : ""));
+                  (j["up_guessed"] ? " (--up of render and build overrides it)" : ""));
     std::string unused;
     for (const std::string what : j["unused"]) unused += (unused.empty() ? "" : ", ") + what;
     if (!unused.empty()) row("not used", unused);
@@ -320,19 +320,19 @@ Status info(const Options& o) {
 
 Command add_info(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("info", "Say what is in a store, a volume file or a mesh");
+  CLI::App* command = program.add_subcommand("info", "Describe a store, a volume file, a folder or a mesh");
   command
       ->add_option(
           "path", options->path,
           "A .gvx store, a RAW, NRRD, NIfTI, MetaImage, TIFF or DICOM file, a folder of TIFF slices or "
           "DICOM files, or a mesh (PLY, OBJ, STL, glTF)")
       ->required();
-  command->add_flag("--json", options->json, "As JSON");
+  command->add_flag("--json", options->json, "Print JSON");
   CLI::Option* header = command->add_flag("--header", options->header,
-                                          "Say what the header says; read no values of a volume file");
+                                          "Do not read the values of a volume file, only its header");
   command
       ->add_flag("--values", options->values,
-                 "Read the values of a volume file of any size; without it those of up to 1 GiB")
+                 "Read the values of a volume file of any size (default: up to 1 GiB)")
       ->excludes(header);
   options->volume.add_to(*command);
   return [options] { return info(*options); };

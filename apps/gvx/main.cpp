@@ -1,5 +1,5 @@
-// gvx: one program, a command for each thing it does. Errors are one line on standard error and exit status
-// 1; a command line that cannot be understood is exit status 2.
+// gvx: one program, a command for each thing it does. An error is one line on standard error. The exit status
+// is 1 if a file, a value or the machine caused the error, and 2 if the command line is wrong.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -54,10 +54,10 @@ int finish_output(int status) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App program("Renders volumes far bigger than memory: rays decide what is loaded.", "gvx");
+  CLI::App program("Makes pictures of volumes, also of volumes that are bigger than memory.", "gvx");
   program.set_version_flag("--version", "gvx " GVX_VERSION);
   program.require_subcommand(1);
-  program.footer("`gvx COMMAND --help` tells more of each.");
+  program.footer("`gvx COMMAND --help` lists the flags of a command.");
   const std::map<std::string, Command> commands = {{"info", add_info(program)},
                                                    {"build", add_build(program)},
                                                    {"render", add_render(program)},

@@ -18,13 +18,13 @@ void MeshFlags::add_to(CLI::App& command) {
       ->group(group);
   command
       .add_option("--fill", fill_,
-                  "solid: what a mesh encloses is opaque; shell: only its surface, one and a half voxels "
-                  "thick; without it solid where the mesh is closed")
+                  "solid: the inside of the mesh is opaque; shell: only its surface, 1.5 voxels thick "
+                  "(default: solid if the mesh is closed)")
       ->check(CLI::IsMember({"solid", "shell"}))
       ->group(group);
   command
       .add_option("--up", up_,
-                  "The axis of a mesh that points up: y or z (y for glTF, OBJ and PLY, z for STL)")
+                  "The axis of the mesh that points up (default: y for glTF, OBJ and PLY, z for STL)")
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(kUpAxisNames), std::end(kUpAxisNames))))
       ->group(group);
 }
@@ -47,7 +47,7 @@ std::optional<UpAxis> MeshFlags::up() const {
 std::string up_note(const std::string& path, const io::MeshUp& up) {
   if (!up.guessed) return {};
   return path + ": " + kUpAxisNames[static_cast<std::size_t>(up.axis)] + " is up, " + up.why +
-         " (--up says otherwise)";
+         " (--up overrides it)";
 }
 
 std::string mesh_notes(const produce::MeshSummary& summary, bool solid) {

@@ -37,7 +37,7 @@ class MeshFlags {
 /// `solid`: was it filled?
 std::string mesh_notes(const produce::MeshSummary& summary, bool solid);
 
-/// "bunny.obj: y is up, as in most OBJ files (--up says otherwise)", where that is a guess; else empty.
+/// "bunny.obj: y is up, as in most OBJ files (--up overrides it)", if that is a guess; otherwise empty.
 std::string up_note(const std::string& path, const io::MeshUp& up);
 
 struct BuiltMesh {

@@ -254,28 +254,28 @@ Result<Scene> open_scene(const Devices& devices, const std::string& name,
 
 void VolumeFlags::add_to(CLI::App& command) {
   const char* group = "Raw input";
-  command.add_option("--dims", dims_, "Voxels along X,Y,Z of a raw file")->group(group);
-  command.add_option("--dtype", dtype_, "Type of its samples: u8 i8 u16 i16 u32 i32 u64 i64 f32 f64")
+  command.add_option("--dims", dims_, "Voxels along X,Y,Z, of raw samples")->group(group);
+  command.add_option("--dtype", dtype_, "Type of raw samples: u8 i8 u16 i16 u32 i32 u64 i64 f32 f64")
       ->group(group);
-  command.add_option("--endian", endian_, "Byte order of its samples: little or big")->group(group);
-  command.add_option("--components", components_, "Samples of a voxel of a raw file")
+  command.add_option("--endian", endian_, "Byte order of raw samples: little or big")->group(group);
+  command.add_option("--components", components_, "Numbers per voxel, of raw samples")
       ->check(CLI::Range(1, 4))
       ->group(group);
-  command.add_option("--offset", offset_, "Bytes before its first sample")->group(group);
-  command.add_option("--spacing", spacing_, "Size of a voxel along X,Y,Z, of any format")->group(group);
-  const char* choice = "Volumes of several series or frames";
+  command.add_option("--offset", offset_, "Bytes before the first raw sample")->group(group);
+  command.add_option("--spacing", spacing_, "Size of a voxel along X,Y,Z, for any format")->group(group);
+  const char* choice = "Volumes with several series or frames";
   command
       .add_option("--series", series_,
-                  "Series of a DICOM folder, by its number or UID as gvx info lists them, or image of an "
-                  "OME-TIFF file, by its number from 1")
+                  "Series of a DICOM folder, by its number or UID (gvx info lists them); or image of an "
+                  "OME-TIFF file, counted from 1")
       ->check(not_empty())
       ->group(choice);
-  command.add_option("--time", time_, "Frame of a volume that changes with time, from 0")
+  command.add_option("--time", time_, "Frame of a volume that changes with time, counted from 0")
       ->check(CLI::NonNegativeNumber)
       ->group(choice);
   command
       .add_flag("--even-slices", even_slices_,
-                "Resample DICOM slices that are uneven, tilted or missing to an even, upright grid")
+                "Resample DICOM slices that are tilted, uneven or missing on an even, upright grid")
       ->group(choice);
 }
 

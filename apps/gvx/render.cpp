@@ -104,6 +104,7 @@ Error in_flag_of_field(const Error& error) {
   const std::size_t start = text.find(": ") + 2, end = text.find(": ", start);
   if (end == std::string::npos) return error;
   std::string field = text.substr(start, end - start);
+  const std::string part = field == "size[0]" ? ": width" : field == "size[1]" ? ": height" : "";
   const std::size_t place = field.find('[');  // of a number in a list
   if (place != std::string::npos) field.resize(place);
   field = field.substr(field.rfind('.') + 1);
@@ -114,7 +115,7 @@ Error in_flag_of_field(const Error& error) {
       flag += capital ? std::string("-") + static_cast<char>(c - 'A' + 'a') : std::string(1, c);
     }
   }
-  return Error{flag + text.substr(end)};
+  return Error{flag + part + text.substr(end)};
 }
 
 /// What the command line says: a scene file or a volume, and flags.
@@ -400,54 +401,57 @@ Status render(const Options& o) {
 
 Command add_render(CLI::App& program) {
   auto o = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("render", "Render a picture of a scene");
+  CLI::App* command = program.add_subcommand("render", "Make a picture of a scene");
   command
       ->add_option(
           "scene", o->scene,
-          "A .gvx store, a volume or mesh file (see gvx build), sponge, stored-sponge, cloud, cloud:MESH, "
-          "terrain, hypertexture:MESH (or pseudo-mesh: ramp: blurred: solid-noise:), distance:MESH, "
-          "axis-distance:MESH, repeat:SCENE, amplify:SCENE, or a scene file (.json), whose fields the flags "
-          "override")
+          "A .gvx store; a volume, folder or mesh (see gvx build); a scene file (.json), whose fields are "
+          "overridden by flags; or a made scene: sponge, stored-sponge, cloud, cloud:MESH, terrain, "
+          "hypertexture:MESH (or pseudo-mesh: ramp: blurred: solid-noise:), distance:MESH, "
+          "axis-distance:MESH, repeat:SCENE, amplify:SCENE")
       ->required();
-  command->add_option("-o,--output", o->output, "The picture to write, .png or .exr")->required();
-  CLI::Option* exact =
-      command->add_flag("--exact", o->exact, "Render until no ray lacks anything (the default)");
+  command->add_option("-o,--output", o->output, "The picture to write; its name ends in .png or .exr")
+      ->required();
+  CLI::Option* exact = command->add_flag("--exact", o->exact, "Render the complete picture (the default)");
   CLI::Option* budget =
-      command->add_option("--budget", o->budget, "Render for this long instead, such as 33ms")
+      command
+          ->add_option("--budget", o->budget,
+                       "Render for about this time, such as 33ms, and write the picture as it then is")
           ->excludes(exact);
   command
       ->add_option("--budget-frames", o->budget_frames,
-                   "Render this many frames of the resting camera, each for that long")
+                   "Render up to this many frames from the same camera, each for that time, until the "
+                   "picture is exact")
       ->check(CLI::Range(1, 1000000))
       ->needs(budget);
   command
       ->add_option(
           "--frames", o->frames,
-          "N or A-B: a numbered picture of each frame of the camera path, or of an orbit about the target; "
-          "%04d in the picture's name is where the number stands")
+          "N or A-B: write numbered pictures along the camera path, or once around the target. %04d in the "
+          "picture's name is replaced by the number")
       ->excludes(budget);
   command
       ->add_option(
           "--zoom", o->zoom,
-          "Without a camera path, come nearer to the target instead of an orbit: this many times in all, "
-          "by the same factor each frame")
+          "With --frames and no camera path: come nearer to the target, this many times in all, by the same "
+          "factor in each frame")
       ->check(CLI::Range(1e-30, 1e30))
       ->needs("--frames");
-  command->add_option("--memory", o->memory, "Most memory for bricks")->capture_default_str();
-  command->add_option("--threads", o->threads, "Threads; 0 takes all cores")->check(CLI::Range(0, 1024));
+  command->add_option("--memory", o->memory, "Memory for bricks")->capture_default_str();
+  command->add_option("--threads", o->threads, "Number of threads; 0: all cores")->check(CLI::Range(0, 1024));
   command->add_option("--device", o->device, "Where to render")
       ->check(CLI::IsMember({"cpu", "cuda"}))
       ->capture_default_str();
   command
-      ->add_option(
-          "--proxy", o->proxy,
-          "A closed mesh around all that is seen: rays march only between the first and the last place "
-          "where they cross it; nodes: a mesh around the nodes that can be seen")
+      ->add_option("--proxy", o->proxy,
+                   "A closed mesh around everything that can be seen: rays march only from the first to the "
+                   "last point "
+                   "where they cross it. nodes: gvx makes this mesh from the nodes that may be visible")
       ->check(not_empty());
   command->add_option("--stats", o->stats, "Write statistics to this JSON file")->check(not_empty());
   command
       ->add_option("--save-scene", o->save_scene,
-                   "Write the scene, with all that flags say, to this JSON file")
+                   "Write the scene, with the settings of all flags, to this JSON file")
       ->check(not_empty());
   command->add_flag("--quiet", o->quiet, "Print nothing but errors and warnings");
   o->flags.add_to(*command);

@@ -39,7 +39,7 @@ Result<scene::Light> parse_light(const std::string& text) {
   light.kind = static_cast<scene::LightKind>(*kind);
   GVX_ASSIGN(light.place, in_flag("--light", parse_vec3(parts[1])));
   if (parts.size() == 3) {
-    GVX_ASSIGN(const Vec3d color, in_flag("--light", parse_vec3(parts[2])));
+    GVX_ASSIGN(const Vec3d color, in_flag("--light", parse_color(parts[2])));
     light.color = Vec3f(color);
   }
   return light;
@@ -49,80 +49,88 @@ Result<scene::Light> parse_light(const std::string& text) {
 
 void SceneFlags::add_to(CLI::App& command) {
   const auto one_at_a_time = [](CLI::Option* option) { option->allow_extra_args(false)->check(not_empty()); };
-  command.add_option("--volume", volume_, "The volume, instead of the one that a scene file names")
+  command.add_option("--volume", volume_, "The volume, in place of the one in the scene file")
       ->check(not_empty());
-  command.add_option("--size", size_, "Size of the picture, WxH (1024x1024)")->check(not_empty());
-  command.add_option("--antialias", antialias_, "Rays along an axis of a pixel, 1 to 8 (1)");
+  command.add_option("--size", size_, "Size of the picture in pixels, WxH (default: 1024x1024)")
+      ->check(not_empty());
+  command.add_option("--antialias", antialias_, "N: take NxN rays for each pixel, 1 to 8 (default: 1)");
   command
       .add_option(
           "--camera", camera_,
-          "eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees in world space, or height=world or height=fit for an "
-          "orthographic camera; the parts that are left out frame the scene")
+          "eye=x,y,z;target=x,y,z;up=x,y,z;fov=DEGREES in world space. height=H or height=fit in place of "
+          "fov: an orthographic camera. Parts that are left out are chosen so that the scene is seen")
       ->check(not_empty());
-  command.add_option("--view", view_, "See the scene from this side; not with an eye= of --camera")
+  command.add_option("--view", view_, "Look from this side; not with eye= in --camera")
       ->check(CLI::IsMember(
           std::vector<std::string>(std::begin(scene::kSideNames), std::end(scene::kSideNames))));
   command
       .add_option("--up", up_axis_,
-                  "The axis that points up: y or z (y for glTF, OBJ and PLY, z for STL and all other scenes)")
+                  "The axis that points up (default: y for glTF, OBJ and PLY, z for STL and other scenes)")
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(kUpAxisNames), std::end(kUpAxisNames))));
-  one_at_a_time(command.add_option("--key-frame", key_frames_,
-                                   "NUMBER:CAMERA, with CAMERA as for --camera; several make a camera path"));
-  command.add_option("--mode", mode_, "What a ray shows of the values along it (composite)")
+  one_at_a_time(
+      command.add_option("--key-frame", key_frames_,
+                         "NUMBER:CAMERA, with CAMERA as for --camera. Several of them are a camera path"));
+  command.add_option("--mode", mode_, "What a ray shows of the values along it (default: composite)")
       ->check(CLI::IsMember(
           std::vector<std::string>(std::begin(scene::kModeNames), std::end(scene::kModeNames))));
-  command.add_option("--isovalue", isovalue_, "Physical value of the isosurface");
+  command.add_option("--isovalue", isovalue_, "Physical value of the isosurface, for --mode isosurface");
   command
       .add_option(
           "--classification", classification_,
-          "preintegrated: a step shows all values that it goes through; post: it shows the value at its "
-          "centre, which is faster and can miss thin layers (preintegrated)")
+          "preintegrated (default): each step along a ray shows all values between its ends; post: it "
+          "shows only the value at its centre, which is faster but can miss thin layers")
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(scene::kClassificationNames),
                                                      std::end(scene::kClassificationNames))));
   functions_.add_to(command);
   one_at_a_time(
       command.add_option("--light", lights_,
-                         "KIND:x,y,z[:red,green,blue], up to 8: camera (a direction: right, up, towards "
-                         "the viewer), directional (a direction of the world) or point (a place)"));
-  command.add_option("--ambient", ambient_, "Weight of light from all sides (0.25)");
-  command.add_option("--diffuse", diffuse_, "Weight of light on what faces it (0.75)");
-  command.add_option("--specular", specular_, "Weight of highlights (0.2)");
-  command.add_option("--shininess", shininess_, "Exponent of highlights (32)");
-  shaded_option_ = command.add_flag("--shaded,!--flat", shaded_, "With or without shading");
-  command.add_option("--clip", clip_, "Show only this box, X0,Y0,Z0,X1,Y1,Z1 in fractions of the volume's")
+                         "KIND:x,y,z[:red,green,blue], up to 8 times. KIND is camera (x,y,z: the direction "
+                         "to the light; right, up, towards the viewer), directional (the same in world "
+                         "space) or point (its position)"));
+  command.add_option("--ambient", ambient_, "Weight of light from all sides (default: 0.25)");
+  command.add_option("--diffuse", diffuse_, "Weight of light on surfaces that face it (default: 0.75)");
+  command.add_option("--specular", specular_, "Weight of highlights (default: 0.2)");
+  command.add_option("--shininess", shininess_, "Exponent of highlights (default: 32)");
+  shaded_option_ = command.add_flag("--shaded,!--flat", shaded_,
+                                    "Shade surfaces (default), or show colours without light");
+  command
+      .add_option("--clip", clip_, "Show only this box: X0,Y0,Z0,X1,Y1,Z1 in fractions of the volume's size")
       ->check(not_empty());
   command
       .add_option("--background", background_,
-                  "Red,green,blue, 0 to 1 (0.13,0.16,0.2; black for projections)")
+                  "RED,GREEN,BLUE from 0 to 1 (default: 0.13,0.16,0.2; 0,0,0 for maximum, minimum and mean)")
       ->check(not_empty());
   transparent_option_ = command.add_flag("--transparent,!--opaque", transparent_,
-                                         "Keep the picture's alpha instead of a background");
-  finest_option_ = command.add_flag("--finest,!--level-of-detail", finest_,
-                                    "The finest level everywhere, however small it is in the picture");
-  command.add_option("--samples", samples_, "Samples a voxel along a ray (2)");
-  command.add_option(
-      "--detail", detail_,
-      "Voxels across a pixel where levels of detail are chosen: 2 is sharp, 1 loads a quarter (2)");
+                                         "Keep the picture's alpha and draw no background");
+  finest_option_ =
+      command.add_flag("--finest,!--level-of-detail", finest_,
+                       "Use the finest level everywhere, even if its voxels are much smaller than a pixel");
+  command.add_option("--samples", samples_, "Samples for each voxel along a ray (default: 2)");
+  command.add_option("--detail", detail_,
+                     "Voxels across a pixel at which a level is chosen: 2 is sharp, 1 loads a quarter of the "
+                     "data (default: 2)");
   volume_flags_.add_to(command);
   add_generate_to(command);
 }
 
 void SceneFlags::add_generate_to(CLI::App& command) {
-  const char* group = "Scenes that are made (docs/made-scenes.md says which takes what)";
+  const char* group = "Made scenes (docs/made-scenes.md says which scene has which parameters)";
   const auto add = [&](const char* name, auto& value, const char* what) {
     command.add_option(name, value, what)->group(group);
   };
-  add("--levels", generate_.levels, "Levels of the tree, the root included");
+  add("--levels", generate_.levels, "Number of levels");
   add("--resolution", generate_.resolution, "Voxels along the longest side of a mesh");
-  add("--octaves", generate_.octaves, "Octaves of noise");
-  add("--wavelength", generate_.wavelength, "Length of the noise's first wave, in the cube's sides");
-  add("--gain", generate_.gain, "How strong an octave of noise is, relative to the one before");
-  add("--seed", generate_.seed, "Seed of the noise");
-  add("--strength", generate_.strength, "How strong the noise is");
-  add("--thickness", generate_.thickness, "Thickness of the shell around a surface, in the cube's sides");
+  add("--octaves", generate_.octaves, "Octaves of the noise");
+  add("--wavelength", generate_.wavelength,
+      "Wavelength of the first octave, as a fraction of the scene's cube");
+  add("--gain", generate_.gain, "Strength of an octave, relative to the one before");
+  add("--seed", generate_.seed, "Random seed of the noise");
+  add("--strength", generate_.strength, "Strength of the noise");
+  add("--thickness", generate_.thickness,
+      "Thickness of the shell around a surface, as a fraction of the scene's cube");
   command
       .add_flag("--in-march", in_march_,
-                "Make noise, and densities from distances, as rays march, not in bricks")
+                "Compute noise, and densities from distances, at each sample of a ray instead of in bricks")
       ->group(group);
 }
 
@@ -149,7 +157,7 @@ Status SceneFlags::apply(scene::SceneFile& scene) const {
     GVX_ASSIGN(scene.clip, in_flag("--clip", parse_box(clip_)));
   }
   if (!background_.empty()) {
-    GVX_ASSIGN(scene.background, in_flag("--background", parse_vec3(background_)));
+    GVX_ASSIGN(scene.background, in_flag("--background", parse_color(background_)));
   }
   if (transparent_option_->count() > 0) scene.transparent = transparent_;
   if (samples_) scene.samples = samples_;

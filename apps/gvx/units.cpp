@@ -99,6 +99,12 @@ Result<Vec3d> parse_vec3(const std::string& text) {
   return Vec3d((*v)[0], (*v)[1], (*v)[2]);
 }
 
+Result<Vec3d> parse_color(const std::string& text) {
+  const auto v = parse_list(text, ',');
+  if (!v || v->size() != 3) return bad(text, "red,green,blue: three numbers such as 0.2,0.3,0.4");
+  return Vec3d((*v)[0], (*v)[1], (*v)[2]);
+}
+
 Result<Box3d> parse_box(const std::string& text) {
   const auto v = parse_list(text, ',');
   if (!v || v->size() != 6) return bad(text, "six numbers, as X0,Y0,Z0,X1,Y1,Z1");

@@ -32,6 +32,8 @@ Result<Size> parse_size(const std::string& text);
 Result<Vec3i> parse_dimensions(const std::string& text);
 /// "x,y,z".
 Result<Vec3d> parse_vec3(const std::string& text);
+/// "red,green,blue".
+Result<Vec3d> parse_color(const std::string& text);
 /// "x0,y0,z0,x1,y1,z1".
 Result<Box3d> parse_box(const std::string& text);
 

@@ -1,4 +1,4 @@
-// gvx verify STORE.gvx: is every byte of it as it was written?
+// gvx verify STORE.gvx: checks that a store is undamaged.
 
 #include "gvx/store/verify.h"
 
@@ -15,9 +15,9 @@ Command add_verify(CLI::App& program) {
   auto path = std::make_shared<std::string>();
   auto threads = std::make_shared<int>(0);
   CLI::App* command =
-      program.add_subcommand("verify", "Check every brick, index page and section of a store");
-  command->add_option("store", *path, "The store")->required();
-  command->add_option("--threads", *threads, "Threads; 0 takes all cores")->check(CLI::Range(0, 1024));
+      program.add_subcommand("verify", "Check a store for damage: every brick, index page and section");
+  command->add_option("store", *path, "The store, a .gvx file")->required();
+  command->add_option("--threads", *threads, "Number of threads; 0: all cores")->check(CLI::Range(0, 1024));
   return [path, threads]() -> Status {
     store::VerifyReport report;
     {

@@ -1,7 +1,7 @@
 /// \file
-/// SceneFile: a picture in words, as a JSON file holds it: what is shown, from where, and how. What is left
-/// out the program chooses. docs/scene-file.md describes the fields, docs/scene.schema.json is their JSON
-/// Schema.
+/// SceneFile holds the fields of a scene file, a JSON file that describes a picture. All fields are optional;
+/// the program chooses what is left out. docs/scene-file.md describes the fields. docs/scene.schema.json is
+/// their JSON Schema.
 #pragma once
 
 #include <cstdint>
@@ -23,65 +23,68 @@
 
 namespace gvx::scene {
 
-/// The names of Mode and LightKind, in their order.
+/// The names of Classification, Mode and LightKind, in the order of their values.
 inline constexpr const char* kClassificationNames[] = {"preintegrated", "post"};
 inline constexpr const char* kModeNames[] = {"composite", "maximum", "minimum", "mean", "isosurface"};
 inline constexpr const char* kLightKindNames[] = {"camera", "directional", "point"};
 
-/// What is known of a raw file beside its name.
+/// The shape and type of raw samples. Parts that are missing come from the file's name.
 struct RawParts {
   std::optional<Vec3i> dimensions;
-  std::optional<std::string> type;  ///< u8 i8 u16 i16 u32 i32 f32 f64
+  std::optional<std::string> type;  ///< u8 i8 u16 i16 u32 i32 u64 i64 f32 f64
   std::optional<bool> big_endian;
-  std::optional<std::int64_t> offset;  ///< bytes
-  std::optional<Vec3d> spacing;
-  std::optional<int> components;  ///< samples a voxel
+  std::optional<std::int64_t> offset;  ///< bytes before the first sample
+  std::optional<Vec3d> spacing;        ///< of a voxel; used for every format
+  std::optional<int> components;       ///< numbers per voxel
 
   bool operator==(const RawParts&) const = default;
 };
 
-/// What is said of a scene that is made, not loaded; which takes what is in docs/scene-file.md.
+/// Parameters of a made scene. docs/made-scenes.md says which scene has which parameters.
 struct GenerateParts {
-  std::optional<std::int64_t> levels;      ///< of the tree, the root included
-  std::optional<std::int64_t> resolution;  ///< voxels along the longest side of a mesh
-  std::optional<std::int64_t> octaves, seed;
-  std::optional<double> wavelength, gain;  ///< of the first octave; of an octave beside the one before
-  std::optional<double> strength, thickness;
-  std::optional<bool> in_march;  ///< noise is added as rays march, not in bricks
+  std::optional<std::int64_t> levels;         ///< levels of detail, the coarsest included
+  std::optional<std::int64_t> resolution;     ///< voxels along the longest side of a mesh
+  std::optional<std::int64_t> octaves, seed;  ///< of the noise
+  std::optional<double> wavelength;           ///< of the first octave, as a fraction of the scene's cube
+  std::optional<double> gain;                 ///< strength of an octave, relative to the one before
+  std::optional<double> strength;             ///< of the noise
+  std::optional<double> thickness;  ///< of the shell around a surface, as a fraction of the scene's cube
+  std::optional<bool> in_march;     ///< compute noise at each sample of a ray instead of in bricks
 
   bool operator==(const GenerateParts&) const = default;
 };
 
+/// A camera at a place in time.
 struct KeyFrameParts {
-  double frame = 0;
+  double frame = 0;  ///< need not be whole
   CameraParts camera;
 
   bool operator==(const KeyFrameParts&) const = default;
 };
 
-/// A transfer function by name, with points of its own, or both. Without either it is what the program
-/// chooses.
+/// A transfer function: a name, points, or both. Points replace those of the named function. Without either,
+/// the program chooses a function.
 struct FunctionParts {
-  std::string from;  ///< a preset or a ParaView JSON file; empty: none
+  std::string from;  ///< name of a preset, or path of a ParaView JSON file; empty: none
   std::vector<ColorPoint> colors = {};
   std::vector<OpacityPoint> opacities = {};
   std::optional<double> unit_distance = {};
   std::vector<GradientPoint> gradients = {};
-  // Where the function's first and last point come to lie; at most one of them.
+  // The function's first and last point move to the ends of this range. At most one of the two is set.
   std::optional<ValueWindow> window = {};
   std::optional<PercentileRange> percentiles = {};
-  std::optional<double> opacity = {};  ///< factor of all opacities
+  std::optional<double> opacity = {};  ///< multiplies all opacities; products above 1 count as 1
 
-  /// `base`, which `from` names, with the parts that are there; an error where that is no sound function.
-  /// `statistics` are of the volume.
+  /// The function with these parts over `base`, the function that `from` names. `statistics` are those of the
+  /// volume. An error if the result is not a valid function.
   Result<TransferFunction> over(TransferFunction base, const ValueStatistics& statistics = {}) const;
   bool operator==(const FunctionParts&) const = default;
 };
 
-/// Whether a volume file's numbers are labels.
+/// Says whether a volume's numbers are labels, which name classes.
 struct LabelParts {
   bool enabled = true;
-  std::string table;  ///< a file of their names and colours; empty: none
+  std::string table;  ///< path of a table of names and colours; empty: none
 
   bool operator==(const LabelParts&) const = default;
 };
@@ -92,30 +95,32 @@ struct LightingParts {
   std::optional<std::vector<Light>> lights;
 
   LightingParts() = default;
-  /// All parts of it.
+  /// Takes all parts from `lighting`.
   explicit LightingParts(const Lighting& lighting);
+  /// `base`, with the parts that are set in its place.
   Lighting over(const Lighting& base) const;
   bool operator==(const LightingParts&) const = default;
 };
 
-/// Plain data, as written: names of files are as seen from the scene file's folder.
+/// The fields as they are written. File names are relative to the scene file's folder.
 struct SceneFile {
   std::optional<std::string> volume;
-  std::optional<UpAxis> up_axis;  ///< of the volume's world; a patient's too
+  std::optional<UpAxis> up_axis;  ///< of world space, also for patients
   RawParts raw;
-  std::optional<std::string> series;  ///< of a folder of DICOM files: its number or UID
-  std::optional<std::int64_t> time;   ///< frame of a volume that changes with time
-  std::optional<bool> even_slices;    ///< slices that are uneven or tilted are resampled
+  std::optional<std::string>
+      series;                        ///< of a DICOM folder: its number or UID; of an OME-TIFF file: its image
+  std::optional<std::int64_t> time;  ///< frame of a volume that changes with time, from 0
+  std::optional<bool> even_slices;   ///< resample tilted, uneven or missing DICOM slices
   GenerateParts generate;
-  std::optional<std::uint32_t> width, height;  ///< both or none
+  std::optional<std::uint32_t> width, height;  ///< both are set, or neither
   std::optional<std::uint32_t> antialias;
   CameraParts camera;
-  std::vector<KeyFrameParts> camera_path;  ///< parts that are left out are those of `camera`
+  std::vector<KeyFrameParts> camera_path;  ///< parts that a key frame leaves out are those of `camera`
   std::optional<Mode> mode;
   std::optional<double> isovalue;
   std::optional<Classification> classification;
-  std::vector<FunctionParts> functions;  ///< one a channel; fewer repeat the last
-  std::optional<LabelParts> labels;      ///< none: as the volume's file says
+  std::vector<FunctionParts> functions;  ///< one for each channel; if there are fewer, the last is repeated
+  std::optional<LabelParts> labels;      ///< not set: as the volume's file says
   LightingParts lighting;
   std::optional<Box3d> clip;
   std::optional<Vec3d> background;
@@ -127,13 +132,14 @@ struct SceneFile {
   bool operator==(const SceneFile&) const = default;
 };
 
-/// Reads a file of at most 16 MiB. An error is one line: "PATH: FIELD: what was expected, what was found".
+/// Reads a scene file of at most 16 MiB. An error is one line: "PATH: FIELD: what was expected, what was
+/// found".
 Result<SceneFile> read_scene(const std::string& path);
 
-/// The same from a text; `name` stands for the path in errors.
+/// Reads a scene from a text. Errors have `name` in place of the path.
 Result<SceneFile> parse_scene(const std::string& text, const std::string& name);
 
-/// What read_scene reads: the fields that are there, lists of numbers on one line.
+/// The text of a scene file with the fields that are set. Each list of numbers is on one line.
 std::string to_json(const SceneFile& scene);
 
 }  // namespace gvx::scene
