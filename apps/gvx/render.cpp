@@ -445,8 +445,8 @@ Command add_render(CLI::App& program) {
   command
       ->add_option("--proxy", o->proxy,
                    "A closed mesh around everything that can be seen: rays march only from the first to the "
-                   "last point "
-                   "where they cross it. nodes: gvx makes this mesh from the nodes that may be visible")
+                   "last point where they cross it. nodes: gvx makes this mesh from the nodes that may be "
+                   "visible")
       ->check(not_empty());
   command->add_option("--stats", o->stats, "Write statistics to this JSON file")->check(not_empty());
   command

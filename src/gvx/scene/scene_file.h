@@ -107,10 +107,9 @@ struct SceneFile {
   std::optional<std::string> volume;
   std::optional<UpAxis> up_axis;  ///< of world space, also for patients
   RawParts raw;
-  std::optional<std::string>
-      series;                        ///< of a DICOM folder: its number or UID; of an OME-TIFF file: its image
-  std::optional<std::int64_t> time;  ///< frame of a volume that changes with time, from 0
-  std::optional<bool> even_slices;   ///< resample tilted, uneven or missing DICOM slices
+  std::optional<std::string> series;  ///< of a DICOM folder: number or UID; of an OME-TIFF file: number
+  std::optional<std::int64_t> time;   ///< frame of a volume that changes with time, from 0
+  std::optional<bool> even_slices;    ///< resample tilted, uneven or missing DICOM slices
   GenerateParts generate;
   std::optional<std::uint32_t> width, height;  ///< both are set, or neither
   std::optional<std::uint32_t> antialias;
