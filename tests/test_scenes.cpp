@@ -17,13 +17,32 @@
 namespace gvx::tests {
 namespace {
 
+/// A view of the whole box from the front, a little above and from the left. The tests' own, so that they
+/// look at the same pictures however scenes are framed for people.
+scene::Camera camera_of(const Vec3d& size, const Affine3& to_world, double aspect) {
+  scene::Camera camera;
+  const Vec3d to_eye = normalize(Vec3d{-0.45, -1, 0.35});
+  camera.up = {0, 0, 1};
+  camera.target = to_world.point(0.5 * size);
+  const Vec3d right = normalize(cross(-to_eye, camera.up)), up = cross(right, -to_eye);
+  const double tangent = std::tan(camera.fov_degrees / 2 * M_PI / 180) * 0.95;
+  double distance = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3d p{corner & 1 ? size.x : 0, corner & 2 ? size.y : 0, corner & 4 ? size.z : 0};
+    const Vec3d d = to_world.point(p) - camera.target;
+    const double across = std::max(std::abs(dot(d, up)), std::abs(dot(d, right)) / aspect);
+    distance = std::max(distance, dot(d, to_eye) + across / tangent);
+  }
+  camera.eye = camera.target + distance * to_eye;
+  return camera;
+}
+
 render::View framed_view(const ReferenceVolume& volume, const scene::TransferFunction& function) {
   render::View view;
   view.width = 160;
   view.height = 120;
   view.functions = {function};
-  view.camera =
-      scene::frame_box({{0, 0, 0}, Vec3d(volume.dimensions)}, volume.voxel_to_world, false, 4.0 / 3, 0.95);
+  view.camera = camera_of(Vec3d(volume.dimensions), volume.voxel_to_world, 4.0 / 3);
   view.background = {0.1f, 0.2f, 0.3f};
   return view;
 }

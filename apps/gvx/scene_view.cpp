@@ -48,18 +48,19 @@ Error no_isovalue(const std::string& more) {
 }
 
 /// What cameras frame where nothing is known of the volume.
-const scene::Framing kAnyFraming{{{0, 0, 0}, {1, 1, 1}}, {}, scene::Stance::z_up, 1};
+const scene::Framing kAnyFraming{{{0, 0, 0}, {1, 1, 1}}, {}, {}, scene::Stance::z_up, 1};
 
 /// In tree space, what can be seen of a scene that is complete but for its camera.
-Result<Box3d> visible_box(const scene::SceneFile& scene, const SceneFlags& flags, const Scene& opened) {
+Result<VisibleBounds> visible_part(const scene::SceneFile& scene, const SceneFlags& flags,
+                                   const Scene& opened) {
   const produce::TreeDescription& tree = opened.producer->description();
   const Vec3d corner = tree.extent.minimum, size = tree.extent.maximum - tree.extent.minimum;
   const Box3d all = tree.bounds.value_or(tree.extent);
   const Box3d shown =
       intersect(all, Box3d{corner + scene.clip->minimum * size, corner + scene.clip->maximum * size});
-  if (shown.empty()) return all;
+  if (shown.empty()) return VisibleBounds{all, {}};
   // What is made, not stored, tells less than what it will be.
-  if (tree.bounds || !tree.exact_ranges || is_projection(*scene.mode)) return shown;
+  if (!tree.exact_ranges || is_projection(*scene.mode)) return VisibleBounds{shown, {}};
   scene::SceneFile seen_somehow = scene;
   seen_somehow.camera = scene::CameraParts(scene::Camera());
   GVX_ASSIGN(const render::View view, make_view(seen_somehow, flags, opened));
@@ -72,7 +73,9 @@ Result<scene::Framing> framing_of(const scene::SceneFile& scene, const SceneFlag
                                   const Scene& opened) {
   const produce::TreeDescription& tree = opened.producer->description();
   scene::Framing framing;
-  GVX_ASSIGN(framing.box, visible_box(scene, flags, opened));
+  GVX_ASSIGN(const VisibleBounds visible, visible_part(scene, flags, opened));
+  framing.box = visible.box;
+  framing.points = visible.points;
   framing.box_to_world = tree.tree_to_world;
   framing.stance =
       scene.up_axis ? scene::stance_of(*scene.up_axis, false) : scene::stance_of(tree.up, tree.anatomical);

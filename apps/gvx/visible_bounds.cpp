@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 #include <vector>
 
 namespace gvx::app {
@@ -11,10 +12,36 @@ namespace {
 constexpr std::uint32_t kDeepest = 6;  // level of the nodes that are looked at
 constexpr std::size_t kMostBricks = 4096;
 
+/// Evenly over the sphere, by the golden angle; and along the axes.
+std::vector<Vec3d> directions() {
+  constexpr int kCount = 128;
+  std::vector<Vec3d> all = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  for (int i = 0; i < kCount; ++i) {
+    const double z = 1 - (2 * i + 1.0) / kCount, r = std::sqrt(1 - z * z),
+                 turn = i * std::numbers::pi * (3 - std::sqrt(5.0));
+    all.emplace_back(r * std::cos(turn), r * std::sin(turn), z);
+  }
+  return all;
+}
+
+/// Of a box the corner that is farthest in a direction.
+Vec3d corner_towards(const Box3d& box, Vec3d direction) {
+  Vec3d corner;
+  for (int axis = 0; axis < 3; ++axis)
+    corner[axis] = direction[axis] > 0 ? box.maximum[axis] : box.minimum[axis];
+  return corner;
+}
+
 class BoundsFinder {
  public:
   BoundsFinder(const produce::Producer& producer, const scene::Visibility& visibility, const Box3d& within)
-      : producer_(producer), tree_(producer.description()), visibility_(visibility), within_(within) {}
+      : producer_(producer),
+        tree_(producer.description()),
+        visibility_(visibility),
+        within_(within),
+        directions_(directions()),
+        farthest_(directions_.size(), -INFINITY),
+        points_(directions_.size()) {}
 
   Status find(const NodeKey& key) {
     const Box3d node = box_of(key);
@@ -34,7 +61,12 @@ class BoundsFinder {
     return {};
   }
 
-  const Box3d& bounds() const { return some_ ? bounds_ : within_; }
+  VisibleBounds bounds() const {
+    if (!std::isfinite(farthest_.front())) return {within_, {}};
+    // The first six directions are those of the axes.
+    return {{{points_[1].x, points_[3].y, points_[5].z}, {points_[0].x, points_[2].y, points_[4].z}},
+            points_};
+  }
 
  private:
   Box3d box_of(const NodeKey& key) const {
@@ -43,21 +75,22 @@ class BoundsFinder {
     return intersect(Box3d{low, low + Vec3d(1 / across)}, within_);
   }
 
+  /// Is nothing of a box farther out than what is known, in any direction?
   bool holds(const Box3d& box) const {
-    bool all = some_;
-    for (int axis = 0; axis < 3; ++axis) {
-      all = all && bounds_.minimum[axis] <= box.minimum[axis] && box.maximum[axis] <= bounds_.maximum[axis];
+    for (std::size_t i = 0; i < directions_.size(); ++i) {
+      if (dot(corner_towards(box, directions_[i]), directions_[i]) > farthest_[i]) return false;
     }
-    return all;
+    return true;
   }
 
   void join(const Box3d& box) {
     if (box.empty()) return;
-    if (!some_) bounds_ = box;
-    some_ = true;
-    for (int axis = 0; axis < 3; ++axis) {
-      bounds_.minimum[axis] = std::min(bounds_.minimum[axis], box.minimum[axis]);
-      bounds_.maximum[axis] = std::max(bounds_.maximum[axis], box.maximum[axis]);
+    for (std::size_t i = 0; i < directions_.size(); ++i) {
+      const Vec3d corner = corner_towards(box, directions_[i]);
+      const double reach = dot(corner, directions_[i]);
+      if (reach <= farthest_[i]) continue;
+      farthest_[i] = reach;
+      points_[i] = corner;
     }
   }
 
@@ -87,6 +120,7 @@ class BoundsFinder {
     const std::uint32_t channels = tree_.format.channels();
     for (std::size_t z = 0; z < m; ++z) {
       for (std::size_t y = 0; y < m; ++y) {
+        std::size_t first_seen = m, end_seen = 0;  // of the row
         for (std::size_t x = 0; x < m; ++x) {
           const std::size_t at = ((z + border) * edge + y + border) * edge + x + border;
           ChannelRanges ranges;
@@ -104,9 +138,12 @@ class BoundsFinder {
             }
           }
           if (!known || visibility_.hides(ranges)) continue;
-          const Vec3d first = low + voxel * Vec3d(double(x), double(y), double(z));
-          join(intersect(Box3d{first, first + Vec3d(voxel)}, within_));
+          first_seen = std::min(first_seen, x);
+          end_seen = x + 1;
         }
+        if (first_seen >= end_seen) continue;
+        const Vec3d from{double(first_seen), double(y), double(z)}, to{double(end_seen), y + 1.0, z + 1.0};
+        join(intersect(Box3d{low + voxel * from, low + voxel * to}, within_));
       }
     }
   }
@@ -114,16 +151,18 @@ class BoundsFinder {
   const produce::Producer& producer_;
   const produce::TreeDescription& tree_;
   const scene::Visibility& visibility_;
-  Box3d within_, bounds_;
-  bool some_ = false;
+  const Box3d within_;
+  const std::vector<Vec3d> directions_;
+  std::vector<double> farthest_;  // in each direction
+  std::vector<Vec3d> points_;     // that are so far
   std::size_t bricks_ = 0;
   std::vector<std::byte> brick_;
 };
 
 }  // namespace
 
-Result<Box3d> visible_bounds(const produce::Producer& producer, const scene::Visibility& visibility,
-                             const Box3d& within) {
+Result<VisibleBounds> visible_bounds(const produce::Producer& producer, const scene::Visibility& visibility,
+                                     const Box3d& within) {
   BoundsFinder finder(producer, visibility, within);
   GVX_TRY(finder.find({}));
   return finder.bounds();

@@ -134,7 +134,7 @@ TEST(RawVolume, missing_hints_files_and_folders) {
   const RawOptions one{.dimensions = Vec3i(1, 1, 1), .type = SampleType::u8};
   const std::string folder = temporary_path("empty_folder");
   std::filesystem::create_directory(folder);
-  EXPECT_NE(outcome(describe(folder, one)).find("a folder"), std::string::npos);
+  EXPECT_NE(outcome(describe(folder, one)).find("the folder is empty"), std::string::npos);
 }
 
 TEST(RawVolume, a_pipe_is_read_once_and_cannot_rewind) {

@@ -1,23 +1,23 @@
 #include "gvx/scene/framing.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace gvx::scene {
 namespace {
 
-using Corners = std::array<Vec3d, 8>;
+using Points = std::vector<Vec3d>;
 
-Corners corners_of(const Framing& framing) {
+Points points_of(const Framing& framing) {
   const Vec3d low = framing.box.minimum, high = framing.box.maximum;
-  Corners corners;
-  for (int i = 0; i < 8; ++i) {
-    corners[static_cast<std::size_t>(i)] =
-        framing.box_to_world.point({i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z});
+  Points points = framing.points;
+  for (int i = 0; i < 8 && framing.points.empty(); ++i) {
+    points.emplace_back(i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z);
   }
-  return corners;
+  for (Vec3d& point : points) point = framing.box_to_world.point(point);
+  return points;
 }
 
 /// Turns v by what takes the unit vector `from` to the unit vector `to` on the shortest way; half a turn is
@@ -42,37 +42,37 @@ Outlook chosen_outlook(const CameraParts& given, Stance stance) {
   return {turned(standard.to_eye, standard.up, *given.up / tall, front), *given.up};
 }
 
-/// Corners as the camera sees them: x to the right, y up, z towards the eye, from the target on.
+/// Points as the camera sees them: x to the right, y up, z towards the eye, from the target on.
 struct Seen {
-  Corners corners;
+  Points points;
   double nearest = 0;   ///< the greatest z
-  double farthest = 0;  ///< of all corners from the target
+  double farthest = 0;  ///< of all points from the target
 };
 
-Seen seen_from(const Corners& corners, const Camera& camera, Vec3d to_eye) {
+Seen seen_from(const Points& points, const Camera& camera, Vec3d to_eye) {
   Camera upright = camera;
   upright.eye = camera.target + to_eye;
   if (!(length(cross(to_eye, camera.up)) > 1e-12 * length(camera.up))) upright = with_fitting_up(upright);
   const Vec3d right = normalize(cross(-to_eye, upright.up)), up = cross(right, -to_eye);
   Seen seen;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec3d d = corners[i] - camera.target;
-    seen.corners[i] = {dot(d, right), dot(d, up), dot(d, to_eye)};
-    seen.nearest = i == 0 ? seen.corners[i].z : std::max(seen.nearest, seen.corners[i].z);
+  for (const Vec3d& point : points) {
+    const Vec3d d = point - camera.target;
+    seen.points.emplace_back(dot(d, right), dot(d, up), dot(d, to_eye));
+    seen.nearest = seen.points.size() == 1 ? dot(d, to_eye) : std::max(seen.nearest, dot(d, to_eye));
     seen.farthest = std::max(seen.farthest, length(d));
   }
   return seen;
 }
 
-/// How much too large the corners' image is: at most 1 where it fits. `place` says where a corner is in the
+/// How much too large the points' image is: at most 1 where it fits. `place` says where a point is in the
 /// picture, whose edges are at -1 and 1.
 template <typename Place>
-double excess(const Corners& corners, double fill, Place place) {
+double excess(const Points& points, double fill, Place place) {
   double most = 0;
   for (int axis = 0; axis < 2; ++axis) {
     double low = INFINITY, high = -INFINITY;
-    for (const Vec3d& corner : corners) {
-      const double at = place(corner)[axis];
+    for (const Vec3d& point : points) {
+      const double at = place(point)[axis];
       low = std::min(low, at);
       high = std::max(high, at);
     }
@@ -82,12 +82,12 @@ double excess(const Corners& corners, double fill, Place place) {
   return most;
 }
 
-/// The least distance from which the corners fit a picture of these half angles' tangents.
+/// The least distance from which the points fit a picture of these half angles' tangents.
 double fitting_distance(const Seen& seen, double fill, Vec3d tangents) {
   const double size = seen.farthest;
   if (!(size > 0)) return 1;
   const auto fits = [&](double distance) {
-    return excess(seen.corners, fill, [&](Vec3d c) {
+    return excess(seen.points, fill, [&](Vec3d c) {
              const double depth = distance - c.z;
              return Vec3d(c.x / (depth * tangents.x), c.y / (depth * tangents.y), 0);
            }) <= 1;
@@ -153,8 +153,8 @@ Outlook standard_outlook(Stance stance) {
 
 Camera complete_camera(const CameraParts& given, const Framing& framing) {
   const Vec3dd origin = given.origin.value_or(Vec3dd());
-  Corners corners = corners_of(framing);
-  for (Vec3d& corner : corners) corner = Vec3d(Vec3dd(corner) - origin);
+  Points points = points_of(framing);
+  for (Vec3d& point : points) point = Vec3d(Vec3dd(point) - origin);
   const Vec3d middle = 0.5 * (framing.box.minimum + framing.box.maximum);
   const Vec3d centre(Vec3dd(framing.box_to_world.point(middle)) - origin);
   const Outlook look = chosen_outlook(given, framing.stance);
@@ -171,10 +171,10 @@ Camera complete_camera(const CameraParts& given, const Framing& framing) {
     camera.eye = camera.target;
     return camera;
   }
-  const Seen seen = seen_from(corners, camera, normalize(way));
+  const Seen seen = seen_from(points, camera, normalize(way));
   if (orthographic && !given.height_world) {
     const double height =
-        2 * excess(seen.corners, framing.fill, [&](Vec3d c) { return Vec3d(c.x / framing.aspect, c.y, 0); });
+        2 * excess(seen.points, framing.fill, [&](Vec3d c) { return Vec3d(c.x / framing.aspect, c.y, 0); });
     camera.height_world = height > 0 ? height : 1;
   }
   if (given.eye) {
@@ -194,7 +194,7 @@ Camera frame_box(const Box3d& box, const Affine3& box_to_world, bool anatomical,
 }
 
 Camera frame_box(const Box3d& box, const Affine3& box_to_world, bool anatomical, double aspect, double fill) {
-  return complete_camera({}, {box, box_to_world, stance_of(UpAxis::z, anatomical), aspect, fill});
+  return complete_camera({}, {box, {}, box_to_world, stance_of(UpAxis::z, anatomical), aspect, fill});
 }
 
 }  // namespace gvx::scene

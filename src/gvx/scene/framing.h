@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "gvx/core/affine.h"
 #include "gvx/core/ray.h"
@@ -39,15 +40,17 @@ Outlook standard_outlook(Stance stance);
 /// What a camera shows.
 struct Framing {
   Box3d box;  ///< the box of what is visible
+  /// Points whose convex hull holds what is visible, in the box's space; empty: the box's corners.
+  std::vector<Vec3d> points = {};
   Affine3 box_to_world;
   Stance stance = Stance::z_up;
   double aspect = 1;  ///< the picture's width over its height
-  double fill =
-      0.8;  ///< the share of the picture's width or height, whichever is tighter, that the box takes
+  double fill = 0.8;  ///< the share of the picture's width or height, whichever is tighter, that it takes
 };
 
-/// A camera with the parts `given`. The other parts are chosen so that the box takes `fill` of the picture in
-/// the tighter direction. No corner is nearer to the picture's edge than a quarter of the margin.
+/// A camera with the parts `given`. The other parts are chosen so that what is visible takes `fill` of the
+/// picture in the tighter direction. No point of it is nearer to the picture's edge than a quarter of the
+/// margin.
 /// - Without a view or an eye: the camera looks from standard_outlook(). If an up is given, this is turned
 /// with it.
 /// - Without a target: the camera looks at the box's centre, or at the origin if one is given.

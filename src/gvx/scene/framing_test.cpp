@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -47,7 +49,8 @@ Image image_of(const Framing& framing, const Camera& camera) {
 }
 
 Framing framing_of(Stance stance, double aspect = 1) {
-  return {{{0, 0, 0}, {1, 0.5, 0.25}}, {{{2, 0, 0}, {0, 3, 0.5}, {0, 0, 1}}, {10, 20, 30}}, stance, aspect};
+  return {
+      {{0, 0, 0}, {1, 0.5, 0.25}}, {}, {{{2, 0, 0}, {0, 3, 0.5}, {0, 0, 1}}, {10, 20, 30}}, stance, aspect};
 }
 
 Vec3d centre_of(const Framing& framing) {
@@ -202,9 +205,23 @@ TEST(Framing, from_straight_above_an_up_is_chosen_unless_it_is_given) {
   EXPECT_NEAR(image_of(framing, rolled).fill(), 0.8, 1e-9);
 }
 
+TEST(Framing, what_is_visible_fills_the_picture_not_its_box) {
+  // A ball: its image is as wide from everywhere.
+  Framing framing{{{-1, -1, -1}, {1, 1, 1}}, {}, {}, Stance::y_up, 1.5};
+  std::mt19937 random(1);
+  std::normal_distribution<double> number;
+  for (int i = 0; i < 20000; ++i)
+    framing.points.push_back(normalize(Vec3d(number(random), number(random), number(random))));
+  const Camera camera = complete_camera({}, framing);
+  const double distance = length(camera.eye - camera.target);
+  // From there the ball is seen at an angle whose sine is 1 / distance.
+  const double half = std::tan(camera.fov_degrees / 2 * std::numbers::pi / 180);
+  EXPECT_NEAR(1 / std::sqrt(distance * distance - 1) / half, 0.8, 0.002);
+}
+
 TEST(Framing, boxes_without_a_size_are_views_too) {
   for (const double size : {0.0, 1e-30, 1e30}) {
-    const Framing framing{{{}, Vec3d(size)}, {}, Stance::z_up, 1};
+    const Framing framing{{{}, Vec3d(size)}, {}, {}, Stance::z_up, 1};
     CameraParts flat;
     flat.fit_height = true;
     EXPECT_TRUE(make_view(complete_camera({}, framing), 8, 8).ok()) << size;
