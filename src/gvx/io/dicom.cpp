@@ -165,9 +165,8 @@ Result<const DicomSeries*> choose_series(const std::string& path, const std::vec
     }
     if (asked && *asked != first.series_uid && *asked != first.series_number) continue;
     ++fitting;
-    if (chosen == nullptr ||
-        slices_of(one) * one.stack.frames.size() > slices_of(*chosen) * chosen->stack.frames.size())
-      chosen = &one;
+    const auto size = [](const DicomSeries& s) { return std::pair(slices_of(s), s.stack.frames.size()); };
+    if (chosen == nullptr || size(one) > size(*chosen)) chosen = &one;
   }
   if (chosen == nullptr) {
     return file_error(path, "series: expected one of " + names_of_others(images, all, nullptr) + ", found " +

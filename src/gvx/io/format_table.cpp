@@ -61,13 +61,7 @@ constexpr Format kFormats[] = {
     {FileKind::mesh, "An OBJ or STL mesh", "meshes", ".obj .stl", "", ""},
 
     // Volumes of medicine.
-    {FileKind::dicom,
-     "DICOM",
-     "DICOM files",
-     ".dcm .dicom .ima",
-     "",
-     "",
-     {{{"DICM"sv, 128}}}},
+    {FileKind::dicom, "DICOM", "DICOM files", ".dcm .dicom .ima", "", "", {{{"DICM"sv, 128}}}},
     {FileKind::other, "A FreeSurfer volume (MGH)", "FreeSurfer volumes", ".mgz .mgh", kNotYet,
      "convert it to NIfTI, for example with mri_convert or Python (nibabel)"},
     {FileKind::other, "A MINC volume", "MINC volumes", ".mnc .mnc2", kNotYet,

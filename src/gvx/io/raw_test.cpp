@@ -1,7 +1,7 @@
 #include "gvx/io/raw.h"
 
-#include <filesystem>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <thread>
 

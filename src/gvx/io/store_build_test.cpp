@@ -196,8 +196,9 @@ TEST(StoreBuild, wide_labels_keep_their_numbers_or_are_refused) {
   EXPECT_NE(error_of(write_raw<float>("f32", [](int i) { return i == 9 ? 2.5f : 1; }))
                 .find("labels: expected whole numbers, found 2.5"),
             std::string::npos);
-  EXPECT_NE(error_of(write_raw<float>("f32", [](int i) { return i == 9 ? 1e30f : 1; })).find("found 1.0000000"),
-            std::string::npos);
+  EXPECT_NE(
+      error_of(write_raw<float>("f32", [](int i) { return i == 9 ? 1e30f : 1; })).find("found 1.0000000"),
+      std::string::npos);
 }
 
 TEST(StoreBuild, quantises_to_a_narrower_type_over_the_whole_range) {

@@ -15,7 +15,8 @@ namespace {
 constexpr std::uint32_t kMostSamples = 32;
 // Of the whole cube: more take longer than a user waits.
 constexpr double kMostOfAll = 512;
-// How far the borders of bricks may reach beyond the cube: two voxels of the root's, which has eight at least.
+// How far the borders of bricks may reach beyond the cube: two voxels of the root's, which has eight at
+// least.
 constexpr double kBeyond = 1.0 / 4;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
