@@ -1,6 +1,7 @@
 // gvx info PATH: what is in a store or a volume file.
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -209,9 +210,11 @@ void print(const std::string& path, const nlohmann::json& j) {
   if (j.contains("triangles")) {
     row("triangles",
         j["triangles"].dump() + ", and " + j["dropped_triangles"].dump() + " that cover nothing" +
-            (j["doubled_triangles"] != 0 ? ", " + j["doubled_triangles"].dump() + " there twice" : ""));
+            (j["doubled_triangles"] != 0 ? ", " + j["doubled_triangles"].dump() + " of them twice" : ""));
     row("vertices", j["vertices"].dump() + (j["colors"] ? ", with colours" : ""));
-    row("surface", !j["closed"] ? "open" : j["wound_alike"] ? "closed" : "closed, faces not wound alike");
+    row("surface", !j["closed"]       ? "open"
+                   : j["wound_alike"] ? "closed"
+                                      : "closed, but its faces do not all point outwards");
     row("from", joined(j["minimum"], ", "));
     row("to", joined(j["maximum"], ", "));
     row("up", j["up"].get<std::string>() + ", " + j["up_why"].get<std::string>() +
@@ -225,14 +228,20 @@ void print(const std::string& path, const nlohmann::json& j) {
   if (j["content"] != "scalar" || j["planes"] != 1) {
     row("content", j["content"].get<std::string>() + ", " + j["planes"].dump() + " numbers a voxel");
   }
-  row("spacing",
-      joined(j["spacing"], ", ") + (j["anatomical"]      ? " mm, patient space (x right, y front, z up)"
-                                    : j.contains("unit") ? " " + one_line(j["unit"].get<std::string>())
-                                                         : ""));
+  // Six digits are what headers mean: 1.0000000130496645 is 1.
+  std::string spacing;
+  for (const double edge : j["spacing"]) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.6g", edge);
+    spacing += (spacing.empty() ? "" : ", ") + std::string(text.data());
+  }
+  row("spacing", spacing + (j["anatomical"]      ? " mm, patient space (x right, y front, z up)"
+                            : j.contains("unit") ? " " + one_line(j["unit"].get<std::string>())
+                                                 : ""));
   if (j.contains("channels")) row("channels", channels_text(j["channels"]));
   if (j.contains("up") && j["up"] != "z") row("up", j["up"]);
   if (j.contains("frames")) {
-    row("frames", j["frames"].dump() + " in time, of which this is " + j["frame"].dump());
+    row("frames", j["frames"].dump() + " in time; frame " + j["frame"].dump() + " is shown (--time)");
   }
   if (j.contains("remarks")) {
     for (const std::string remark : j["remarks"]) row("note", remark);

@@ -203,14 +203,14 @@ engine::Statistics sum(const engine::Statistics& before, engine::Statistics now)
 
 void report(const std::string& path, const render::View& view, const engine::Statistics& s,
             const exec::Device& device) {
-  std::printf(
-      "%s: %ux%u in %.0f ms on %s, %llu bricks made, %llu resident, %s\n", one_line(path).c_str(), view.width,
-      view.height, s.frame_milliseconds, device.name().c_str(),
-      static_cast<unsigned long long>(s.bricks_produced), static_cast<unsigned long long>(s.bricks_resident),
-      s.converged
-          ? "exact"
-          : ("a preview: " + std::to_string(int(100 * s.resident_share)) + "% of what it wants is resident")
-                .c_str());
+  std::printf("%s: %ux%u in %.0f ms on %s, %llu bricks made, %llu resident, %s\n", one_line(path).c_str(),
+              view.width, view.height, s.frame_milliseconds, device.name().c_str(),
+              static_cast<unsigned long long>(s.bricks_produced),
+              static_cast<unsigned long long>(s.bricks_resident),
+              s.converged ? "exact"
+                          : ("a preview: " + std::to_string(int(100 * s.resident_share)) +
+                             "% of the data that it needs was in memory")
+                                .c_str());
   std::fflush(stdout);
 }
 

@@ -132,6 +132,25 @@ TEST_P(EveryProducer, canonical_is_a_fixed_point_with_the_same_description) {
   }
 }
 
+TEST_P(EveryProducer, writes_every_voxel_of_a_brick_and_its_border) {
+  const auto producer = GetParam().make();
+  const TreeDescription& tree = producer->description();
+  const std::size_t planes = tree.format.planes * plane_texels(tree.m) * voxel_bytes(tree.format.type);
+  int bricks = 0;
+  for (const NodeKey& asked : random_nodes(tree, 100)) {
+    const NodeKey key = producer->canonical(asked);
+    tree::NodeInfo info;
+    ASSERT_TRUE(producer->describe(std::span(&key, 1), std::span(&info, 1)).ok());
+    if (info.ranges.constant()) continue;
+    std::vector<std::byte> over_ones(tree.brick_bytes(), std::byte{0x11}),
+        over_sevens(tree.brick_bytes(), std::byte{0x77});
+    ASSERT_TRUE(producer->produce(key, over_ones).ok());
+    ASSERT_TRUE(producer->produce(key, over_sevens).ok());
+    ASSERT_EQ(std::memcmp(over_ones.data(), over_sevens.data(), planes), 0);
+    ++bricks;
+  }
+  EXPECT_GT(bricks, 0);
+}
 TEST_P(EveryProducer, the_oracle_bounds_every_voxel_and_every_child) {
   const auto producer = GetParam().make();
   const TreeDescription& tree = producer->description();

@@ -71,9 +71,9 @@ Status SpongeProducer::produce(const NodeKey& key, std::span<std::byte> voxels) 
     return static_cast<std::byte>(hits * 255 / (kSamples * kSamples * kSamples));
   };
   std::size_t i = 0;
-  for (int z = -1; z <= m; ++z) {
-    for (int y = -1; y <= m; ++y) {
-      for (int x = -1; x <= m; ++x) voxels[i++] = coverage(x, y, z);
+  for (int z = -kBrickBorder; z < m + kBrickBorder; ++z) {
+    for (int y = -kBrickBorder; y < m + kBrickBorder; ++y) {
+      for (int x = -kBrickBorder; x < m + kBrickBorder; ++x) voxels[i++] = coverage(x, y, z);
     }
   }
   return {};
