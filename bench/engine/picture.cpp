@@ -16,6 +16,7 @@
 
 #include "gvx/engine/engine.h"
 #include "gvx/produce/store_producer.h"
+#include "gvx/scene/transfer_presets.h"
 #include "gvx/store/store_reader.h"
 
 namespace {

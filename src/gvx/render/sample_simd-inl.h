@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <type_traits>
 
 #include <hwy/highway.h>
@@ -208,7 +209,8 @@ HWY_INLINE void turn(const Int rows[4], Int columns[4]) {
 /// are loaded whole and turned, which is several times as fast as gathering.
 HWY_INLINE void load_rows(const std::byte* table, const std::int32_t* offsets, Int out[4]) {
 #if HWY_TARGET == HWY_SCALAR
-  const auto* row = reinterpret_cast<const std::int32_t*>(table + offsets[0]);
+  std::int32_t row[4];  // of 16-bit numbers, too, which need not be aligned
+  std::memcpy(row, table + offsets[0], sizeof(row));
   for (std::size_t i = 0; i < 4; ++i) out[i] = hn::Set(kInts, row[i]);
 #else
   const auto row = [&](std::size_t lane) HWY_ATTR {
