@@ -222,6 +222,9 @@ Result<scene::CameraParts> SceneFlags::camera() const {
 
 Result<std::vector<scene::KeyFrameParts>> SceneFlags::key_frames() const {
   std::vector<scene::KeyFrameParts> keys;
+  if (!key_frames_.empty() && !view_.empty()) {
+    return Error{"--view: does not go with --key-frame, which states its own cameras"};
+  }
   for (const std::string& text : key_frames_) {
     const std::vector<std::string> parts = split(text, ':', 2);
     const auto frame = io::parse_number(parts[0]);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "gvx/scene/camera_parts.h"
 
@@ -151,6 +152,7 @@ std::string to_text(const Camera& camera) {
 
 Result<CameraParts> parse_camera_parts(const std::string& text) {
   CameraParts camera;
+  std::vector<std::string_view> seen;
   std::string_view rest = text;
   while (!rest.empty()) {
     const std::size_t end = std::min(rest.find(';'), rest.size());
@@ -160,6 +162,14 @@ Result<CameraParts> parse_camera_parts(const std::string& text) {
     const std::size_t equals = part.find('=');
     if (equals == std::string_view::npos) return bad_camera("'" + std::string(part) + "' has no '='");
     const std::string_view name = part.substr(0, equals), value = part.substr(equals + 1);
+    const auto has = [&](std::string_view other) {
+      return std::find(seen.begin(), seen.end(), other) != seen.end();
+    };
+    if (has(name)) return bad_camera("'" + std::string(name) + "' is there twice");
+    if ((name == "fov" && has("height")) || (name == "height" && has("fov"))) {
+      return bad_camera("expected fov or height, found both");
+    }
+    seen.push_back(name);
     if (name == "origin") {
       GVX_ASSIGN(camera.origin, parse_vector(value, parse_long_number));
     } else if (name == "eye") {
@@ -171,12 +181,8 @@ Result<CameraParts> parse_camera_parts(const std::string& text) {
     } else if (name == "fov") {
       GVX_ASSIGN(camera.fov_degrees, parse_number(value));
       if (!sound_angle(*camera.fov_degrees)) return bad_angle();
-      camera.height_world.reset();
-      camera.fit_height = false;
     } else if (name == "height") {
       camera.fit_height = value == "fit";
-      camera.height_world.reset();
-      camera.fov_degrees.reset();
       if (camera.fit_height) continue;
       GVX_ASSIGN(camera.height_world, parse_number(value));
       if (!(*camera.height_world > 0)) return bad_camera("height must be above 0");
@@ -184,6 +190,7 @@ Result<CameraParts> parse_camera_parts(const std::string& text) {
       return bad_camera("unknown part '" + std::string(name) + "'");
     }
   }
+  if (seen.empty() && !text.empty()) return bad_camera("'" + text + "' says nothing");
   return camera;
 }
 

@@ -18,7 +18,8 @@ TEST(Camera, text_and_back_is_exact) {
 }
 
 TEST(Camera, bad_texts_are_errors_that_say_what) {
-  for (const char* text : {"eye", "eye=1,2", "eye=1,2,x", "fov=200", "fov=nan", "where=1,2,3", "height=-1",
+  for (const char* text : {"eye", ";;", "fov=30;height=2", "height=fit;fov=30", "up=0,0,1;up=0,1,0",
+                           "eye=1,2", "eye=1,2,x", "fov=200", "fov=nan", "where=1,2,3", "height=-1",
                            "eye=0,0,0;target=0,0,0", "eye=0,0,5;target=0,0,0;up=0,0,1"}) {
     const auto camera = parse_camera(text, Camera{});
     ASSERT_FALSE(camera.ok()) << text;

@@ -97,7 +97,11 @@ std::optional<bool> JsonFields::boolean(const char* name) {
 std::optional<std::string> JsonFields::text(const char* name) {
   const Json* value = any(name);
   if (value == nullptr) return std::nullopt;
-  if (value->is_string() && !value->get_ref<const std::string&>().empty()) return value->get<std::string>();
+  // Names of files end at a zero byte.
+  const auto sound = [](const std::string& text) {
+    return !text.empty() && text.find('\0') == std::string::npos;
+  };
+  if (value->is_string() && sound(value->get_ref<const std::string&>())) return value->get<std::string>();
   fail(place_of(name), "a text", describe(*value));
   return std::nullopt;
 }

@@ -243,10 +243,10 @@ void read_labels(JsonFields& fields, SceneFile& scene) {
   if (value == nullptr) return;
   if (value->is_boolean()) {
     scene.labels = LabelParts{value->get<bool>(), ""};
-  } else if (value->is_string() && !value->get_ref<const std::string&>().empty()) {
-    scene.labels = LabelParts{true, value->get<std::string>()};
-  } else {
+  } else if (!value->is_string()) {
     fields.fail("labels", "true, false or the name of a file", describe(*value));
+  } else if (const auto table = fields.text("labels")) {
+    scene.labels = LabelParts{true, *table};
   }
 }
 

@@ -188,7 +188,7 @@ TEST(SceneFile, errors_name_the_field_what_was_expected_and_what_was_found) {
       {R"({"function": {"colors": [[0, 1, 1, 1]], "opacity": 1}})",
        "function: expected colors and opacities"},
       {R"({"labels": 3})", "labels: expected true, false or the name of a file, found 3"},
-      {R"({"labels": ""})", "labels: expected true, false or the name of a file"},
+      {R"({"labels": ""})", "labels: expected a text, found"},
       {R"({"lighting": {"lights": [{"kind": "sun", "place": [0, 0, 1]}]}})",
        "lighting.lights[0].kind: expected one of"},
       {R"({"lighting": {"lights": [{"place": [0, 0, 0]}]}})",
