@@ -33,6 +33,27 @@ TEST_F(Program, explains_itself) {
   }
 }
 
+TEST_F(Program, help_says_in_words_what_a_flag_takes) {
+  const std::string build = gvx("build --help").output, render = gvx("render --help").output;
+  for (const char* text : {"Usage: gvx build [OPTIONS] INPUT..", "-o, --output TEXT (required)",
+                           "--brick 8|16|32", "--components N (1 to 4)", "--labels, --no-labels"}) {
+    EXPECT_NE(build.find(text), std::string::npos) << text;
+  }
+  EXPECT_NE(render.find("--budget TEXT (not with --exact, --frames)"), std::string::npos);
+  EXPECT_NE(render.find("--zoom NUMBER (1e-30 to 1e+30) (only with --frames)"), std::string::npos);
+  for (const char* text : {"REQUIRED", "Excludes", "Needs", "INT:", "{", "(1x)"}) {
+    EXPECT_EQ(build.find(text), std::string::npos) << text;
+    EXPECT_EQ(render.find(text), std::string::npos) << text;
+  }
+}
+
+TEST_F(Program, info_subtracts_a_negative_offset) {
+  write_ball("ball.raw");
+  ASSERT_EQ(gvx("build ball.raw -o ball.gvx --dims 40,36,30 --dtype i8").status, 0);
+  const std::string info = gvx("info ball.gvx").output;
+  EXPECT_NE(info.find("1 * stored - 128\n"), std::string::npos) << info;
+}
+
 TEST_F(Program, builds_verifies_describes_and_renders) {
   write_ball();
   Outcome outcome = gvx("build ball_40x36x30_uint8.raw -o ball.gvx --brick 8 --codec lz4 --spacing 1,1,2");

@@ -258,7 +258,9 @@ void print(const std::string& path, const nlohmann::json& j) {
     }
   }
   if (j["scale"] != 1.0 || j["offset"] != 0.0) {
-    row("physical", number(j["scale"]) + " * stored + " + number(j["offset"]));
+    const bool minus = j["offset"] < 0.0;
+    row("physical", number(j["scale"]) + " * stored" + (minus ? " - " : " + ") +
+                        (minus ? number(-j["offset"].get<double>()) : number(j["offset"])));
   }
   if (j.contains("levels")) {
     row("tree", j["levels"].dump() + " levels of N = " + j["n"].dump() + ", bricks of " + j["brick"].dump() +

@@ -1,5 +1,5 @@
 // gvx: one program, a command for each thing it does. An error is one line on standard error. The exit status
-// is 1 if a file, a value or the machine caused the error, and 2 if the command line is wrong.
+// is 1 if a value or a file was refused or the work failed, and 2 if the command line could not be parsed.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include <cstring>
 #include <exception>
 #include <map>
+#include <memory>
 #include <new>
 #include <string>
 #include <vector>
@@ -19,6 +20,7 @@
 
 #include "command_line.h"
 #include "commands.h"
+#include "help_format.h"
 #include "messages.h"
 #include "signals.h"
 
@@ -56,6 +58,7 @@ int finish_output(int status) {
 int run(int argc, char** argv) {
   CLI::App program("Makes pictures of volumes, also of volumes that are bigger than memory.", "gvx");
   program.set_version_flag("--version", "gvx " GVX_VERSION);
+  program.formatter(std::make_shared<HelpFormat>());  // before the commands, which take it over
   program.require_subcommand(1);
   program.footer("`gvx COMMAND --help` lists the flags of a command.");
   const std::map<std::string, Command> commands = {{"info", add_info(program)},

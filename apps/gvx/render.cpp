@@ -209,7 +209,7 @@ void report(const std::string& path, const render::View& view, const engine::Sta
               static_cast<unsigned long long>(s.bricks_resident),
               s.converged ? "exact"
                           : ("a preview: " + std::to_string(int(100 * s.resident_share)) +
-                             "% of the data that it needs was in memory")
+                             "% of the data was in memory at the resolution that it needs")
                                 .c_str());
   std::fflush(stdout);
 }

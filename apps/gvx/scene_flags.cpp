@@ -67,9 +67,10 @@ void SceneFlags::add_to(CLI::App& command) {
       .add_option("--up", up_axis_,
                   "The axis that points up (default: y for glTF, OBJ and PLY, z for STL and other scenes)")
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(kUpAxisNames), std::end(kUpAxisNames))));
-  one_at_a_time(
-      command.add_option("--key-frame", key_frames_,
-                         "NUMBER:CAMERA, with CAMERA as for --camera. Several of them are a camera path"));
+  one_at_a_time(command.add_option(
+      "--key-frame", key_frames_,
+      "NUMBER:CAMERA, with CAMERA as for --camera, such as '0:eye=300,-200,100'. Several of "
+      "them are a camera path"));
   command.add_option("--mode", mode_, "What a ray shows of the values along it (default: composite)")
       ->check(CLI::IsMember(
           std::vector<std::string>(std::begin(scene::kModeNames), std::end(scene::kModeNames))));
@@ -84,7 +85,8 @@ void SceneFlags::add_to(CLI::App& command) {
   functions_.add_to(command);
   one_at_a_time(
       command.add_option("--light", lights_,
-                         "KIND:x,y,z[:red,green,blue], up to 8 times. KIND is camera (x,y,z: the direction "
+                         "KIND:x,y,z[:red,green,blue], such as camera:-1,1,2, up to 8 times. KIND is camera "
+                         "(x,y,z: the direction "
                          "to the light; right, up, towards the viewer), directional (the same in world "
                          "space) or point (its position)"));
   command.add_option("--ambient", ambient_, "Weight of light from all sides (default: 0.25)");
