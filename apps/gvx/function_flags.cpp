@@ -89,9 +89,9 @@ void FunctionFlags::add_to(CLI::App& command) {
                                    "Multiply all opacities of the transfer function, for example by 0.3. "
                                    "Give it once for each channel"));
   command
-      .add_option(
-          "--gradient-opacity", gradients_,
-          "G0,F0,G1,F1,...: multiply the extinction by F where the gradient is G, in values per world unit")
+      .add_option("--gradient-opacity", gradients_,
+                  "G0,F0,G1,F1,...: multiply the extinction (opacity per length) by F where the gradient is "
+                  "G, in values per world unit")
       ->check(not_empty());
   labels_option_ =
       command
