@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <type_traits>
 
 #include "gvx/io/header_text.h"
 
@@ -45,6 +46,46 @@ std::string written(std::int64_t number, const NumberPlace& place) {
 
 bool finite(Vec3d v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// The largest number that a sample can be, without its sign; 1 for floating point.
+double largest_sample(SampleType type) {
+  double most = 1;
+  with_sample_type(type, [&](auto sample) {
+    using Sample = decltype(sample);
+    if (std::is_integral_v<Sample>) most = static_cast<double>(std::numeric_limits<Sample>::max());
+  });
+  return most;
+}
+
+/// Of the lengths of voxels along an axis.
+constexpr double kLeastSpacing = 1e-12, kMostSpacing = 1e12;
+constexpr double kFarthestOrigin = 1e20;
+
+Status check_place(const VolumeDescription& description) {
+  const auto wrong = [&](const std::string& what) { return file_error(description.path, what); };
+  const Affine3& a = description.voxel_to_world;
+  if (!finite(a.column[0]) || !finite(a.column[1]) || !finite(a.column[2]) || !finite(a.origin))
+    return wrong("orientation: expected a finite origin and three finite axes that span a volume");
+  Vec3d spacing;
+  for (int axis = 0; axis < 3; ++axis) {
+    // Not length(): its square may be too large for a number.
+    spacing[axis] = std::hypot(a.column[axis].x, a.column[axis].y, a.column[axis].z);
+    if (!(spacing[axis] >= kLeastSpacing && spacing[axis] <= kMostSpacing)) {
+      return wrong("spacing: expected 1e-12 to 1e12 along each axis, found " + number_text(spacing[axis]) +
+                   " along " + "xyz"[axis]);
+    }
+    if (std::abs(a.origin[axis]) > kFarthestOrigin)
+      return wrong("origin: expected coordinates up to 1e20, found " + number_text(a.origin[axis]));
+  }
+  if (check_placement(a).ok()) return {};
+  const double least = std::min({spacing.x, spacing.y, spacing.z});
+  const double most = std::max({spacing.x, spacing.y, spacing.z});
+  if (most > 1e6 * least) {
+    return wrong("spacing: expected no axis with more than a million times the spacing of another, found " +
+                 number_text(spacing.x) + " x " + number_text(spacing.y) + " x " + number_text(spacing.z));
+  }
+  return wrong("orientation: expected three axes that span a volume");
 }
 
 }  // namespace
@@ -142,15 +183,18 @@ Status check_description(const VolumeDescription& description) {
   if (bytes == kMostBytes) {
     return file_error(description.path, "dimensions: expected less than 2^62 bytes in all");
   }
-  const Affine3& a = description.voxel_to_world;
-  if (!finite(a.column[0]) || !finite(a.column[1]) || !finite(a.column[2]) || !finite(a.origin) ||
-      !std::isnormal(determinant(a))) {
-    return file_error(description.path,
-                      "orientation: expected a finite origin and three finite axes that span a volume");
-  }
+  GVX_TRY(check_place(description));
   if (!std::isfinite(description.scale) || description.scale == 0 || !std::isfinite(description.offset)) {
     return file_error(description.path,
                       "value scale: expected a finite offset and a finite slope other than 0");
+  }
+  const double most =
+      std::abs(description.scale) * largest_sample(description.type) + std::abs(description.offset);
+  if (!(most <= std::numeric_limits<float>::max())) {
+    return file_error(description.path,
+                      "value scale: expected values that fit 32-bit floating point, found a slope of " +
+                          number_text(description.scale) + " and an offset of " +
+                          number_text(description.offset));
   }
   return {};
 }
