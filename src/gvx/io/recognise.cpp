@@ -189,6 +189,7 @@ const Format* format_in_folder(const fs::directory_entry& entry, std::size_t& le
 /// What is in a folder.
 struct Contents {
   bool empty = true;
+  std::string problem;                   ///< why it could not be read
   std::map<const Format*, Found> files;  ///< by their formats, without those that hold no data
   Found stores;                          ///< folders that are Zarr or N5
   Found folders;                         ///< others
@@ -213,6 +214,7 @@ Contents look_into(const std::string& folder) {
   std::sort(all.begin(), all.end());
   Contents contents;
   contents.empty = all.empty();
+  if (error) contents.problem = error.message();
   std::size_t left_to_open = 64;
   for (const fs::directory_entry& entry : all) {
     std::error_code ignored;
@@ -244,6 +246,7 @@ Recognised recognise_folder(const std::string& path) {
     return other_folder("an N5 folder is not read yet; write one level of it as NRRD, for example with Fiji");
   }
   const Contents contents = look_into(path);
+  if (!contents.problem.empty()) return other_folder("cannot open: " + contents.problem);
   if (there(path, "info") && contents.files.empty()) {
     return other_folder(
         "a folder of neuroglancer's precomputed chunks is not read yet; write one level of it as "
