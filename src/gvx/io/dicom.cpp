@@ -38,29 +38,69 @@ bool is_dicom_file(const std::string& path) {
   return size.ok() && begins_as_dicom({reinterpret_cast<const char*>(start.data()), size.value()});
 }
 
+/// Things of one kind, and the first of them.
+struct Counted {
+  std::size_t count = 0;
+  std::string first;
+
+  void add(const std::string& one) {
+    if (count++ == 0) first = one;
+  }
+};
+
+/// Where a search of a folder did not look.
+struct NotSearched {
+  Counted closed_folders;  // with the reason
+  Counted deep_folders;
+  Counted folder_links;
+  Counted dead_links;
+  bool more_files = false;
+};
+
 /// Calls function(path) for the regular files of a folder and those in it until it returns true; is that so
 /// for one? The order is that of the disk.
 template <typename Function>
-bool any_file(const std::string& folder, const Function& function) {
-  std::error_code error;
+bool any_file(const std::string& top, NotSearched& missed, const Function& function) {
+  std::vector<std::pair<fs::path, int>> left = {{top, 0}};
   std::size_t seen = 0;
-  for (fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, error), end;
-       !error && at != end; at.increment(error)) {
-    if (at.depth() >= kDeepestFolder) at.disable_recursion_pending();
-    std::error_code ignored;
-    if (!at->is_regular_file(ignored)) continue;
-    if (++seen > kMostFiles) break;
-    if (function(at->path().string())) return true;
+  while (!left.empty()) {
+    const auto [folder, depth] = left.back();
+    left.pop_back();
+    std::error_code error;
+    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+      std::error_code ignored;
+      const std::string path = at->path().string();
+      const bool is_link = at->is_symlink(ignored);
+      const fs::file_type type = at->status(ignored).type();
+      if (type == fs::file_type::directory) {
+        if (is_link) {
+          missed.folder_links.add(path);
+        } else if (depth >= kDeepestFolder) {
+          missed.deep_folders.add(path);
+        } else {
+          left.emplace_back(path, depth + 1);
+        }
+      } else if (type == fs::file_type::regular) {
+        if (++seen > kMostFiles) {
+          missed.more_files = true;
+          return false;
+        }
+        if (function(path)) return true;
+      } else if (is_link && (type == fs::file_type::not_found || type == fs::file_type::none)) {
+        missed.dead_links.add(path);
+      }
+    }
+    if (error) missed.closed_folders.add(folder.string() + ": " + error.message());
   }
   return false;
 }
 
 /// The files of a folder, sorted, or the one file.
-std::vector<std::string> all_files(const std::string& path) {
+std::vector<std::string> all_files(const std::string& path, NotSearched& missed) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return {path};
   std::vector<std::string> files;
-  any_file(path, [&](std::string file) {
+  any_file(path, missed, [&](std::string file) {
     files.push_back(std::move(file));
     return false;
   });
@@ -74,6 +114,7 @@ struct LeftOut {
   std::size_t no_images = 0;  // DICOM files without pixels
   std::size_t broken = 0;
   std::string first_broken;  // the error
+  NotSearched not_searched;
 };
 
 Result<std::optional<DicomImage>> read_image(const std::string& path) {
@@ -86,12 +127,15 @@ Result<std::optional<DicomImage>> read_image(const std::string& path) {
 
 Result<std::vector<DicomImage>> read_images(const std::string& path, bool folder, LeftOut& left_out) {
   std::vector<DicomImage> images;
-  for (const std::string& file : all_files(path)) {
+  for (const std::string& file : all_files(path, left_out.not_searched)) {
     if (folder && !is_dicom_file(file)) {
       ++left_out.others;
       continue;
     }
     auto image = read_image(file);
+    // Of a folder the others count too: what is assumed is said in a remark.
+    if (!folder && image.ok() && image.value() && !image.value()->unusable_value.empty())
+      return file_error(path, image.value()->unusable_value);
     if (!image.ok()) {
       if (!folder) return image.error();
       if (left_out.broken++ == 0) left_out.first_broken = image.error().message;
@@ -155,7 +199,7 @@ Result<const DicomSeries*> choose_series(const std::string& path, const std::vec
                                          std::vector<std::string>& remarks) {
   const DicomSeries* chosen = nullptr;
   const DicomImage* image = nullptr;
-  std::size_t fitting = 0;
+  std::size_t fitting = 0, as_large = 0;
   for (const DicomSeries& one : all) {
     const DicomImage& first = images[one.slices.front().image];
     if (asked && *asked == one.label) {
@@ -166,7 +210,11 @@ Result<const DicomSeries*> choose_series(const std::string& path, const std::vec
     if (asked && *asked != first.series_uid && *asked != first.series_number) continue;
     ++fitting;
     const auto size = [](const DicomSeries& s) { return std::pair(slices_of(s), s.stack.frames.size()); };
-    if (chosen == nullptr || size(one) > size(*chosen)) chosen = &one;
+    if (chosen == nullptr || size(one) > size(*chosen)) {
+      chosen = &one;
+      as_large = 0;
+    }
+    as_large += slices_of(one) == slices_of(*chosen) ? 1 : 0;
   }
   if (chosen == nullptr) {
     return file_error(path, "series: expected one of " + names_of_others(images, all, nullptr) + ", found " +
@@ -184,9 +232,11 @@ Result<const DicomSeries*> choose_series(const std::string& path, const std::vec
     }
   }
   if (fitting > 1) {
-    remarks.push_back("holds " + std::to_string(all.size()) + " series: " + io::quoted(chosen->label) +
-                      " is read, which has most slices (" + std::to_string(slices_of(*chosen)) +
-                      "); --series chooses another: " + names_of_others(images, all, chosen));
+    remarks.push_back(
+        "holds " + std::to_string(all.size()) + " series: " + io::quoted(chosen->label) +
+        (as_large > 1 ? " is read, one of those with most slices (" : " is read, which has most slices (") +
+        std::to_string(slices_of(*chosen)) +
+        "); --series chooses another: " + names_of_others(images, all, chosen));
   }
   return chosen;
 }
@@ -261,6 +311,48 @@ void remark_on_files(const LeftOut& left_out, std::vector<std::string>& remarks)
     remarks.push_back(files(left_out.others, " file is no DICOM file", " files are no DICOM files"));
 }
 
+void remark_on_folders(const NotSearched& missed, std::vector<std::string>& remarks) {
+  const auto remark = [&](const Counted& counted, const char* one, const char* many) {
+    if (counted.count == 0) return;
+    remarks.push_back(std::to_string(counted.count) +
+                      (counted.count == 1 ? one + std::string(": ") : many + std::string(", the first: ")) +
+                      counted.first);
+  };
+  remark(missed.closed_folders, " folder cannot be read", " folders cannot be read");
+  remark(missed.deep_folders, " folder is nested too deeply and not searched",
+         " folders are nested too deeply and not searched");
+  remark(missed.folder_links, " link to a folder is not followed", " links to folders are not followed");
+  remark(missed.dead_links, " link leads nowhere", " links lead nowhere");
+  if (missed.more_files)
+    remarks.push_back("only the first " + std::to_string(kMostFiles) + " files are looked at");
+}
+
+/// Of the files of a volume: what is assumed of their values, and what is behind their pixels.
+void remark_on_images(const DicomVolume& volume, std::vector<std::string>& remarks) {
+  std::vector<std::size_t> used;
+  for (const DicomSlice& slice : volume.slices) used.push_back(slice.image);
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  Counted values, surplus;
+  for (const std::size_t i : used) {
+    const DicomImage& image = volume.images[i];
+    if (!image.unusable_value.empty()) {
+      values.add(image.path + ": " + image.unusable_value + "; " + image.assumed_value + " is assumed");
+    }
+    if (image.surplus_bytes > 0) {
+      surplus.add(image.path + ": " + std::to_string(image.surplus_bytes) +
+                  (image.surplus_bytes == 1 ? " byte is" : " bytes are") + " left over");
+    }
+  }
+  const auto remark = [&](const Counted& counted, const std::string& what) {
+    if (counted.count == 0) return;
+    remarks.push_back(std::to_string(counted.count) + (counted.count == 1 ? " file has " : " files have ") +
+                      what + (counted.count == 1 ? ": " : ", the first: ") + counted.first);
+  };
+  remark(values, "values whose scale is not usable");
+  remark(surplus, "more pixel data than Rows x Columns needs");
+}
+
 }  // namespace
 
 bool is_dicom(const std::string& path) {
@@ -268,7 +360,8 @@ bool is_dicom(const std::string& path) {
   if (fs::is_directory(path, error)) {
     bool found = false;
     std::size_t looked_at = 0;
-    any_file(path, [&](const std::string& file) {
+    NotSearched ignored;
+    any_file(path, ignored, [&](const std::string& file) {
       found = is_dicom_file(file);
       return found || ++looked_at == kMostLookedAt;
     });
@@ -278,7 +371,8 @@ bool is_dicom(const std::string& path) {
 }
 
 std::vector<std::string> dicom_files(const std::string& path) {
-  std::vector<std::string> files = all_files(path);
+  NotSearched ignored;
+  std::vector<std::string> files = all_files(path, ignored);
   std::error_code error;
   if (fs::is_directory(path, error))
     std::erase_if(files, [](const std::string& f) { return !is_dicom_file(f); });
@@ -322,10 +416,17 @@ Result<std::unique_ptr<SliceReader>> open_dicom(const std::string& path, const V
   if (!resample)
     remarks.insert(remarks.end(), volume.geometry.remarks.begin(), volume.geometry.remarks.end());
   remark_on_values(volume, remarks);
+  remark_on_images(volume, remarks);
   remark_on_files(left_out, remarks);
-  if (resample) return EvenDicomReader::create(std::move(volume), std::move(description));
-  return std::unique_ptr<SliceReader>(
-      std::make_unique<DicomReader>(std::move(volume), std::move(description)));
+  remark_on_folders(left_out.not_searched, remarks);
+  std::unique_ptr<SliceReader> reader;
+  if (resample) {
+    GVX_ASSIGN(reader, EvenDicomReader::create(std::move(volume), std::move(description)));
+  } else {
+    reader = std::make_unique<DicomReader>(std::move(volume), std::move(description));
+  }
+  GVX_TRY(check_description(reader->description()));
+  return reader;
 }
 
 }  // namespace gvx::io

@@ -44,13 +44,17 @@ Result<DicomColor> parse_color(const DicomHeader& header, int samples) {
                    : "expected RGB or YBR for three samples a pixel, found " + io::quoted(name));
 }
 
+/// Of all frames, where they are not packed.
+std::uint64_t expected_bytes(const DicomPixelFormat& format, std::int64_t frames) {
+  const std::uint64_t pixels = static_cast<std::uint64_t>(format.rows * format.columns);
+  return format.bits_allocated == 1 ? (pixels * static_cast<std::uint64_t>(frames) + 7) / 8
+                                    : format.frame_bytes() * static_cast<std::uint64_t>(frames);
+}
+
 /// The bytes of all frames must be there before anything is made room for.
 Status check_pixel_bytes(const DicomHeader& header, const DicomPixelFormat& format, std::int64_t frames) {
   if (!header.pixel_bytes) return {};
-  const std::uint64_t pixels = static_cast<std::uint64_t>(format.rows * format.columns);
-  const std::uint64_t expected = format.bits_allocated == 1
-                                     ? (pixels * static_cast<std::uint64_t>(frames) + 7) / 8
-                                     : format.frame_bytes() * static_cast<std::uint64_t>(frames);
+  const std::uint64_t expected = expected_bytes(format, frames);
   if (*header.pixel_bytes >= expected) return {};
   return wrong(header.path, header.pixel_tag,
                "expected " + std::to_string(expected) + " bytes for " + std::to_string(frames) +
@@ -132,6 +136,15 @@ Result<DicomPixelFormat> interpret_format(const DicomHeader& header) {
                  "expected YBR_FULL_422 of 8 bits side by side and an even number of columns");
   }
   return format;
+}
+
+std::uint64_t surplus_pixel_bytes(const DicomHeader& header, const DicomPixelFormat& format,
+                                  std::int64_t frames) {
+  if (!header.pixel_bytes) return 0;
+  const std::uint64_t expected = expected_bytes(format, frames);
+  // Values have an even number of bytes.
+  const std::uint64_t padded = expected + expected % 2;
+  return *header.pixel_bytes > padded ? *header.pixel_bytes - expected : 0;
 }
 
 Result<std::int64_t> count_frames(const DicomHeader& header, const DicomPixelFormat& format) {

@@ -42,4 +42,8 @@ Result<DicomPixelFormat> interpret_format(const DicomHeader& header);
 /// NumberOfFrames, 1 where it is absent. An error where the file is too short for that many.
 Result<std::int64_t> count_frames(const DicomHeader& header, const DicomPixelFormat& format);
 
+/// The bytes of the pixel element behind its frames, without one that pads it; 0 for packed pixels.
+std::uint64_t surplus_pixel_bytes(const DicomHeader& header, const DicomPixelFormat& format,
+                                  std::int64_t frames);
+
 }  // namespace gvx::io

@@ -16,7 +16,11 @@ constexpr Vec3d kToWorld{-1, -1, 1};
 
 std::string fixed(double number, int digits = 2) {
   std::array<char, 64> text;
-  std::snprintf(text.data(), text.size(), "%.*f", digits, number);
+  if (std::abs(number) >= 1e6) {
+    std::snprintf(text.data(), text.size(), "%.4g", number);
+  } else {
+    std::snprintf(text.data(), text.size(), "%.*f", digits, number);
+  }
   return text.data();
 }
 
@@ -101,6 +105,12 @@ DicomGeometry place_slices(const std::vector<DicomImage>& images, std::span<cons
   geometry.tilt_degrees = std::atan2(sideways, along) * 180 / std::numbers::pi;
   geometry.voxel_to_world =
       image.placed ? to_world(first, first.position, geometry.spacing, step) : scaling(geometry.spacing);
+  if (!image.unusable_spacing.empty()) {
+    geometry.remarks.push_back(
+        "PixelSpacing is not usable (expected two numbers above 0 and below 1e6, found " +
+        image.unusable_spacing + "): " +
+        (first.column_spacing > 0 ? "ImagerPixelSpacing is used" : "pixels are taken to be 1 mm wide"));
+  }
   if (!image.placed) {
     geometry.remarks.push_back(
         count > 1
@@ -109,7 +119,7 @@ DicomGeometry place_slices(const std::vector<DicomImage>& images, std::span<cons
             : "the file does not say where it lies in the patient");
     return geometry;
   }
-  if (first.column_spacing <= 0)
+  if (first.column_spacing <= 0 && image.unusable_spacing.empty())
     geometry.remarks.push_back("no PixelSpacing: pixels are taken to be 1 mm wide");
   if (geometry.tilt_degrees > kUprightWithin) {
     geometry.remarks.push_back(

@@ -42,8 +42,11 @@ struct Places {
   }
 };
 
-/// Position and directions; false where one of them is absent.
-bool read_place(const Places& places, DicomFrame& frame) {
+/// Of a position's coordinates, in mm.
+constexpr double kFarthest = 1e12;
+
+/// Position and directions; false where one of them is absent. An error for a place beyond kFarthest.
+Result<bool> read_place(const std::string& path, const Places& places, DicomFrame& frame) {
   const DicomDataset* at = places.find(tag::kPlanePositionSequence, tag::kPosition);
   const DicomDataset* turned = places.find(tag::kPlaneOrientationSequence, tag::kOrientation);
   // Nuclear medicine keeps both with the detector (PS3.3, C.8.4.11).
@@ -59,6 +62,12 @@ bool read_place(const Places& places, DicomFrame& frame) {
   const Vec3d row(directions[0], directions[1], directions[2]),
       column(directions[3], directions[4], directions[5]);
   if (!finite(frame.position) || !finite(row) || !finite(column)) return false;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(frame.position[axis]) > kFarthest) {
+      return wrong(path, tag::kPosition,
+                   "expected coordinates up to 1e12 mm, found " + number_text(frame.position[axis]));
+    }
+  }
   // They are unit vectors at right angles but for the digits they were written with.
   if (std::abs(length(row) - 1) > 0.05 || std::abs(length(column) - 1) > 0.05 ||
       std::abs(dot(row, column)) > 0.05)
@@ -68,25 +77,65 @@ bool read_place(const Places& places, DicomFrame& frame) {
   return true;
 }
 
-void read_spacing(const Places& places, DicomFrame& frame) {
+bool usable_spacing(const std::vector<double>& spacing) {
+  return spacing.size() >= 2 &&
+         std::all_of(spacing.begin(), spacing.end(), [](double s) { return s > 1e-12 && s < 1e6; });
+}
+
+void read_spacing(const Places& places, DicomFrame& frame, DicomImage& image) {
   const DicomDataset* const measures = places.find(tag::kPixelMeasuresSequence, tag::kPixelSpacing);
   std::vector<double> spacing =
       measures != nullptr ? measures->numbers(tag::kPixelSpacing) : std::vector<double>{};
-  if (spacing.size() < 2) spacing = places.file->numbers(tag::kImagerPixelSpacing);
-  if (spacing.size() < 2) return;
-  for (const double s : spacing) {
-    if (!(s > 0 && s < 1e6)) return;
+  if (!usable_spacing(spacing)) {
+    if (!spacing.empty()) image.unusable_spacing = quoted(measures->text(tag::kPixelSpacing));
+    spacing = places.file->numbers(tag::kImagerPixelSpacing);
   }
+  if (!usable_spacing(spacing)) return;
   frame.row_spacing = spacing[0];
   frame.column_spacing = spacing[1];
 }
 
-Status read_values(const DicomHeader& header, const Places& places, DicomFrame& frame) {
-  const auto slope = places.number(tag::kValueTransformationSequence, tag::kSlope);
-  const auto intercept = places.number(tag::kValueTransformationSequence, tag::kIntercept);
-  frame.slope = slope.value_or(header.elements.number(tag::kDoseScaling).value_or(1));
-  frame.intercept = intercept.value_or(0);
-  if (frame.slope == 0) return wrong(header.path, tag::kSlope, "expected a number other than 0");
+/// A number that values are computed with: `otherwise` where the file does not say, or says no number, which
+/// `image` keeps for a message.
+double value_number(const DicomDataset* at, DicomTag tag, double otherwise, DicomImage& image) {
+  const std::vector<double> numbers = at != nullptr ? at->numbers(tag) : std::vector<double>{};
+  if (numbers.empty()) return otherwise;
+  if (std::isfinite(numbers.front())) return numbers.front();
+  if (image.unusable_value.empty()) {
+    const bool is_text = find_dicom_tag(tag)->value == DicomValue::text;
+    image.unusable_value = dicom_tag_name(tag) + ": expected a number, found " +
+                           (is_text ? quoted(at->text(tag)) : number_text(numbers.front()));
+    image.assumed_value = number_text(otherwise);
+  }
+  return otherwise;
+}
+
+/// The largest that a stored sample can be, without its sign.
+double largest_sample(const DicomPixelFormat& format) {
+  return format.floating ? 1 : std::ldexp(1.0, format.bits_stored - (format.is_signed ? 1 : 0));
+}
+
+Status read_values(const DicomHeader& header, const Places& places, DicomFrame& frame, DicomImage& image) {
+  const DicomDataset* const with_slope = places.find(tag::kValueTransformationSequence, tag::kSlope);
+  const double scaling = value_number(&header.elements, tag::kDoseScaling, 1, image);
+  frame.slope = value_number(with_slope, tag::kSlope, scaling, image);
+  frame.intercept = value_number(places.find(tag::kValueTransformationSequence, tag::kIntercept),
+                                 tag::kIntercept, 0, image);
+  const bool of_dose = with_slope == nullptr && header.elements.find(tag::kDoseScaling) != nullptr;
+  const DicomTag slope_tag = of_dose ? tag::kDoseScaling : tag::kSlope;
+  if (frame.slope == 0) return wrong(header.path, slope_tag, "expected a number other than 0");
+  constexpr double kMost = std::numeric_limits<float>::max();
+  const double most = std::abs(frame.slope) * largest_sample(image.format);
+  if (!(most <= kMost)) {
+    return wrong(
+        header.path, slope_tag,
+        "expected values that fit 32-bit floating point, found a slope of " + number_text(frame.slope));
+  }
+  if (!(most + std::abs(frame.intercept) <= kMost)) {
+    return wrong(header.path, tag::kIntercept,
+                 "expected values that fit 32-bit floating point, found an intercept of " +
+                     number_text(frame.intercept));
+  }
   return {};
 }
 
@@ -255,6 +304,7 @@ Result<DicomImage> interpret_dicom(const DicomHeader& header) {
   image.path = header.path;
   GVX_ASSIGN(image.format, interpret_format(header));
   GVX_ASSIGN(const std::int64_t frames, count_frames(header, image.format));
+  image.surplus_bytes = surplus_pixel_bytes(header, image.format, frames);
   image.series_uid = e.text(tag::kSeriesUid);
   image.series_number = e.text(tag::kSeriesNumber);
   image.description = e.text(tag::kSeriesDescription);
@@ -284,9 +334,10 @@ Result<DicomImage> interpret_dicom(const DicomHeader& header) {
         {own.empty() ? nullptr : &own[static_cast<std::size_t>(i)], e.item(tag::kSharedGroups)}, &e};
     DicomFrame frame;
     frame.number = i;
-    placed += read_place(places, frame) ? 1 : 0;
-    read_spacing(places, frame);
-    GVX_TRY(read_values(header, places, frame));
+    GVX_ASSIGN(const bool is_placed, read_place(header.path, places, frame));
+    placed += is_placed ? 1 : 0;
+    read_spacing(places, frame, image);
+    GVX_TRY(read_values(header, places, frame, image));
     read_keys(places, dimensions, frame);
     if (i == 0) step = stated_step(places);
     image.frames.push_back(frame);

@@ -60,7 +60,11 @@ struct DicomImage {
   bool placed = false;           ///< The file says where its frames lie.
   bool stacked = false;          ///< It does not, but they lie one behind the other: `position` shows it.
   bool has_value_table = false;  ///< A modality LUT, which is not applied.
-  std::int64_t tiles = 0;        ///< Of a mosaic; 0 for others.
+  /// The first slope or intercept that is no number, and what is assumed; empty where there is none.
+  std::string unusable_value, assumed_value;
+  std::string unusable_spacing;     ///< PixelSpacing as the file writes it, if it cannot be used.
+  std::uint64_t surplus_bytes = 0;  ///< Behind the pixels, in their element.
+  std::int64_t tiles = 0;           ///< Of a mosaic; 0 for others.
   std::int64_t tiles_across = 0;
   std::vector<DicomFrame> frames;
 

@@ -1,6 +1,8 @@
 #include "gvx/io/dicom_series.h"
 
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 
 #include <gtest/gtest.h>
 
@@ -260,6 +262,98 @@ TEST(DicomSeries, ABrokenFileIsLeftOutAndNamed) {
   EXPECT_TRUE(says(d.value(), "1 DICOM file is left out: " + folder +
                                   "/cut.dcm: (7FE0,0010) PixelData: expected 24 bytes"))
       << joined(d.value().remarks);
+}
+
+TEST(DicomSeries, AScaleThatIsNoNumberIsAnErrorOfAFileAndARemarkOfAFolder) {
+  for (const char* text : {"abcd", "0,5", "nan", "inf"}) {
+    const std::string folder = folder_of_slices("no_number", {{0, 0, 0}, {0, 0, 2}});
+    write_dicom(folder + "/last.dcm", dicom_slice(3, {0, 0, 4}).text(0x00281053, "DS", text));
+    const std::string found =
+        "(0028,1053) RescaleSlope: expected a number, found '" + std::string(text) + "'";
+    EXPECT_NE(outcome(describe(folder + "/last.dcm")).find(found), std::string::npos)
+        << outcome(describe(folder + "/last.dcm"));
+    const auto d = describe(folder);
+    ASSERT_TRUE(d.ok()) << outcome(d);
+    EXPECT_EQ(d.value().dimensions.z, 3);
+    EXPECT_TRUE(says(d.value(), "1 file has")) << joined(d.value().remarks);
+    EXPECT_TRUE(says(d.value(), found + "; 1 is assumed")) << joined(d.value().remarks);
+  }
+  const std::string empty = temporary_path("no_slope.dcm");
+  write_dicom(empty, dicom_slice(1, {0, 0, 0}).text(0x00281053, "DS", "").text(0x00281052, "DS", " "));
+  EXPECT_TRUE(describe(empty).ok()) << outcome(describe(empty));
+}
+
+TEST(DicomSeries, ValuesBeyondFloatsAreAnError) {
+  const std::string path = temporary_path("far_values.dcm");
+  write_dicom(path, dicom_slice(1, {0, 0, 0}).text(0x00281052, "DS", "1e308"));
+  EXPECT_NE(outcome(describe(path)).find("RescaleIntercept: expected values that fit"), std::string::npos)
+      << outcome(describe(path));
+  write_dicom(path, dicom_slice(1, {0, 0, 0}).text(0x00281053, "DS", "1e37"));
+  EXPECT_NE(outcome(describe(path)).find("RescaleSlope: expected values that fit"), std::string::npos)
+      << outcome(describe(path));
+}
+
+TEST(DicomSeries, PixelSpacingThatCannotBeUsedIsNamed) {
+  const std::string path = temporary_path("no_spacing.dcm");
+  for (const char* text : {"0\\0", "-1\\1", "nan\\1", "wide", "0.5", "1e300\\1e300", "1e-300\\1e-300"}) {
+    write_dicom(path, dicom_slice(1, {0, 0, 0}).text(0x00280030, "DS", text));
+    const auto d = describe(path);
+    ASSERT_TRUE(d.ok()) << outcome(d);
+    EXPECT_TRUE(
+        says(d.value(), "PixelSpacing is not usable (expected two numbers above 0 and below 1e6, found '" +
+                            std::string(text) + "'): pixels are taken to be 1 mm wide"))
+        << joined(d.value().remarks);
+    EXPECT_FALSE(says(d.value(), "no PixelSpacing"));
+  }
+}
+
+TEST(DicomSeries, PlacesThatNoVolumeCanHaveAreAnError) {
+  const std::string path = temporary_path("far.dcm");
+  write_dicom(path, dicom_slice(1, {0, 0, 1e300}));
+  EXPECT_NE(outcome(describe(path)).find("ImagePositionPatient: expected coordinates up to 1e12 mm"),
+            std::string::npos)
+      << outcome(describe(path));
+  const auto gap = describe(folder_of_slices("far_gap", {{0, 0, 0}, {0, 0, 1}, {0, 0, 1e11}}));
+  EXPECT_NE(outcome(gap).find("spacing: expected no axis with more than a million times"), std::string::npos)
+      << outcome(gap);
+}
+
+TEST(DicomSeries, PixelDataThatIsTooLongIsReported) {
+  const std::string folder = folder_of_slices("long", {{0, 0, 0}, {0, 0, 2}});
+  write_dicom(folder + "/long.dcm",
+              dicom_slice(3, {0, 0, 4}).element(kPixelData, "OW", std::string(30, 'x')));
+  const auto d = describe(folder);
+  ASSERT_TRUE(d.ok()) << outcome(d);
+  EXPECT_TRUE(says(d.value(), "1 file has more pixel data than Rows x Columns needs: " + folder +
+                                  "/long.dcm: 6 bytes are left over"))
+      << joined(d.value().remarks);
+}
+
+TEST(DicomSeries, WhatASearchDoesNotFollowIsReported) {
+  namespace fs = std::filesystem;
+  const std::string folder = folder_of_slices("links", {{0, 0, 0}, {0, 0, 2}});
+  fs::create_symlink("nowhere", folder + "/dead");
+  fs::create_symlink("itself", folder + "/itself");
+  fs::create_directory_symlink(".", folder + "/loop");
+  fs::create_symlink("z.dcm", folder + "/a_file.dcm");
+  const auto d = describe(folder);
+  ASSERT_TRUE(d.ok()) << outcome(d);
+  EXPECT_TRUE(says(d.value(), "2 links lead nowhere, the first: ")) << joined(d.value().remarks);
+  EXPECT_TRUE(says(d.value(), "1 link to a folder is not followed: " + folder + "/loop"))
+      << joined(d.value().remarks);
+  EXPECT_TRUE(says(d.value(), "with the same pixels")) << "a link to a file is that file";
+
+  fs::create_directory(folder + "/closed");
+  fs::permissions(folder + "/closed", fs::perms::none);
+  const auto closed = describe(folder);
+  std::error_code error;
+  const fs::directory_iterator opened(folder + "/closed", error);
+  fs::permissions(folder + "/closed", fs::perms::owner_all);
+  // Root may read anything.
+  if (!error) return;
+  ASSERT_TRUE(closed.ok()) << outcome(closed);
+  EXPECT_TRUE(says(closed.value(), "1 folder cannot be read: " + folder + "/closed: Permission denied"))
+      << joined(closed.value().remarks);
 }
 
 }  // namespace
