@@ -107,7 +107,7 @@ TEST(LabelTableFile, broken_lines_are_errors_that_name_them) {
   expect_error("1 A 255 0\n", "line 1: expected NUMBER NAME RED GREEN BLUE");
   expect_error("1 A 255 0 0 0\n2 B\n", "line 2: expected a colour, as line 1 has");
   expect_error("1 A 0.5 0 0 0\n", "line 1: expected red, green and blue as whole numbers");
-  expect_error("index,name,Name\n1,a,b\n", "line 1: expected each column once, found \"name\" and \"Name\"");
+  expect_error("index,name,Name\n1,a,b\n", "line 1: expected each column once, found 'name' and 'Name'");
   expect_error("index,index\n1,2\n", "expected each column once");
   expect_error("index,name\n1,a\n2,b\n1,c\n", "line 4: label 1 has a line already, line 2");
   expect_error("1 a\n1 b\n", "line 2: label 1 has a line already, line 1");

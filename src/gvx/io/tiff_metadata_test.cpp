@@ -58,7 +58,7 @@ TEST(TiffImageJ, HyperstacksHaveChannelsSlicesAndFrames) {
   EXPECT_EQ(first_samples(path), "abc");
   expect_text(remarks_of(path), "speaks of 8 images, but the file has 3");
   write_tiff(path, flat_pages("abcdef", "ImageJ=1.53t\nimages=6\nslices=12\n"));
-  expect_text(remarks_of(path), "1 channels x 12 slices x 1 frames, but the number of images is 6");
+  expect_text(remarks_of(path), "is 1 x 12 x 1, which is not the number of images, 6; its pages");
 }
 
 TEST(TiffImageJ, LargeStacksHaveOneDirectory) {
@@ -141,8 +141,8 @@ TEST(TiffOme, WhatIsNotUsableIsRemarked) {
         flat_pages(
             "ab", ome(sizes + "PhysicalSizeX=\"" + size + "\" PhysicalSizeY=\"2\" PhysicalSizeZ=\"3\"", "")));
     EXPECT_EQ(spacing_of(describe(path).value()), Vec3d(1, 2, 3));
-    expect_text(remarks_of(path), "OME-XML: PhysicalSizeX: expected a number above 0, found \"" + size +
-                                      "\"; a spacing of 1 is assumed");
+    expect_text(remarks_of(path), "OME-XML: PhysicalSizeX: expected a number above 0, found '" + size +
+                                      "'; a spacing of 1 is assumed");
   }
   write_tiff(path, flat_pages("ab", ome(sizes, "<TiffData/>")));
   EXPECT_EQ(remarks_of(path), "");

@@ -100,12 +100,13 @@ Result<TiffVolume> imagej_volume(const std::string& path, const TiffFile& file, 
       channels * slices * frames != count) {
     if (info.images > 1 || count > 1) {
       volume.description.remarks.push_back(
-          "ImageJ's description speaks of " +
           (info.images != count
-               ? std::to_string(info.images) + " images, but the file has "
-               : std::to_string(channels) + " channels x " + std::to_string(slices) + " slices x " +
-                     std::to_string(frames) + " frames, but the number of images is ") +
-          std::to_string(count) + "; its pages are read as slices");
+               ? "ImageJ's description speaks of " + std::to_string(info.images) +
+                     " images, but the file has " + std::to_string(count)
+               : "ImageJ's description: channels x slices x frames is " + std::to_string(channels) + " x " +
+                     std::to_string(slices) + " x " + std::to_string(frames) +
+                     ", which is not the number of images, " + std::to_string(count)) +
+          "; its pages are read as slices");
     }
     channels = frames = 1;
     slices = count;
