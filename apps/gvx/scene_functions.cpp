@@ -10,6 +10,7 @@
 #include "gvx/io/label_table_file.h"
 #include "gvx/io/transfer_function_file.h"
 #include "gvx/scene/transfer_presets.h"
+#include "messages.h"
 
 namespace gvx::app {
 namespace {
@@ -120,9 +121,11 @@ Status check_function_files(const scene::SceneFile& scene, const FunctionFlags& 
   if (fs::exists(table, ignored) && !fs::is_regular_file(table, ignored)) {
     return Error{"--labels " + table + ": expected a file"};
   }
-  if (const auto read = io::read_label_table(table); !read.ok()) {
+  std::vector<std::string> warnings;
+  if (const auto read = io::read_label_table(table, &warnings); !read.ok()) {
     return Error{"--labels " + read.error().message};
   }
+  for (const std::string& warning : warnings) warn("--labels " + warning);
   if (!scene.functions.empty() && has_points(scene.functions[0])) {
     return Error{"--labels " + table + ": does not go with a transfer function (" +
                  (flags.has_functions() ? "--tf" : "functions") + "), which says colours too"};

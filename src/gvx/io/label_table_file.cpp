@@ -24,11 +24,19 @@ struct Line {
 
 struct Column {
   std::optional<std::size_t> label, name, color, red, green, blue;
+
+  /// Fields that a line must have for all of these columns.
+  std::size_t fields() const {
+    std::size_t count = 0;
+    for (const auto& i : {label, name, color, red, green, blue}) count = std::max(count, i ? *i + 1 : 0);
+    return count;
+  }
 };
 
 class TableReader {
  public:
-  explicit TableReader(const std::string& path) : path_(path) {}
+  TableReader(const std::string& path, std::vector<std::string>* warnings)
+      : path_(path), warnings_(warnings) {}
 
   Result<scene::LabelTable> read(std::string_view text) {
     if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
@@ -48,6 +56,10 @@ class TableReader {
       GVX_TRY(read_columns(lines, separator));
     } else {
       for (const Line& line : lines) GVX_TRY(read_words(line));
+      if (first_named_ && first_colored_) {
+        return wrong(*first_named_, "expected a colour, as line " + std::to_string(first_colored_->number) +
+                                        " has, found " + quoted(trimmed(first_named_->text)));
+      }
     }
     settle_fourth_numbers();
     return std::move(table_);
@@ -77,8 +89,9 @@ class TableReader {
     for (int c = 0; c < 3; ++c) {
       const std::string_view part = trimmed(parts[static_cast<std::size_t>(c)]);
       const auto value = parse_number(part);
-      if (!value || !(*value >= 0 && *value <= kMostInByte)) {
-        return wrong(line, "expected red, green and blue from 0 to 255, found " + quoted(part));
+      if (!value || !(*value >= 0 && *value <= kMostInByte) || std::trunc(*value) != *value) {
+        return wrong(line,
+                     "expected red, green and blue as whole numbers from 0 to 255, found " + quoted(part));
       }
       color[c] = *value / kMostInByte;
     }
@@ -107,6 +120,29 @@ class TableReader {
     return color;
   }
 
+  /// Lines that repeat another say nothing new. Two that contradict each other are an error, or a warning
+  /// where the later one counts.
+  Status add(const Line& line, std::uint32_t label, scene::LabelEntry entry, bool later_counts) {
+    const auto [known, is_new] = lines_.emplace(label, Added{line.number, line.text});
+    if (!is_new && trimmed(known->second.text) != trimmed(line.text)) {
+      const std::string both = "label " + std::to_string(label) + " has a line already, line " +
+                               std::to_string(known->second.number);
+      if (!later_counts) return wrong(line, both + "; expected one line for each label");
+      if (warnings_ != nullptr) warnings_->push_back(wrong(line, both + "; this one counts").message);
+      known->second = {line.number, line.text};
+    }
+    table_[label] = std::move(entry);
+    return {};
+  }
+
+  /// MRIcron's third word is the label again or a number of its own, above 255; another may be the beginning
+  /// of a colour.
+  static bool begins_color(std::span<const std::string_view> parts) {
+    if (parts.size() < 3) return false;
+    const auto number = parse_number(parts[2]);
+    return number && *number >= 0 && *number <= kMostInByte && parts[2] != parts[0];
+  }
+
   /// FreeSurfer's or ITK-SNAP's.
   Status read_words(const Line& line) {
     const std::vector<std::string_view> parts = words(line.text);
@@ -117,10 +153,14 @@ class TableReader {
     GVX_ASSIGN(const std::uint32_t label, label_of(line, parts[0]));
     scene::LabelEntry entry;
     if (named_only) {
+      if (begins_color(parts)) return wrong_layout(line);
+      if (parts[1].starts_with('"') && line.text.find('"') == line.text.rfind('"'))
+        return wrong(line, "expected a closing quotation mark");
+      if (!first_named_) first_named_ = line;
       entry.name = std::string(parts[1]);
-      table_[label] = std::move(entry);
-      return {};
+      return add(line, label, std::move(entry), false);
     }
+    if (!first_colored_) first_colored_ = line;
     const std::size_t color_at = snap ? 1 : 2;
     if (!parse_number(parts[color_at])) return wrong_layout(line);
     GVX_ASSIGN(entry.color, color_of(line, std::span(parts).subspan(color_at, 3)));
@@ -133,8 +173,8 @@ class TableReader {
       if (!visible) return wrong(line, "expected a visibility, 0 or 1, found " + quoted(parts[5]));
       entry.opacity = *visible == 0 ? 0 : *opacity;
       const std::size_t begin = line.text.find('"'), end = line.text.rfind('"');
-      entry.name =
-          std::string(line.text.substr(begin + 1, end > begin ? end - begin - 1 : std::string::npos));
+      if (begin == end) return wrong(line, "expected a closing quotation mark");
+      entry.name = std::string(line.text.substr(begin + 1, end - begin - 1));
     } else {
       entry.name = std::string(parts[1]);
       if (parts.size() > 5) {
@@ -146,12 +186,12 @@ class TableReader {
         fourth_numbers_[label] = *fourth / kMostInByte;
       }
     }
-    table_[label] = std::move(entry);
-    return {};
+    return add(line, label, std::move(entry), !snap);
   }
 
   /// The fields of a line of CSV or TSV (RFC 4180, but for line breaks within fields).
-  static std::vector<std::string> fields_of(std::string_view text, char separator) {
+  Result<std::vector<std::string>> fields_of(const Line& line, char separator) const {
+    const std::string_view text = line.text;
     std::vector<std::string> fields(1);
     bool in_quotes = false;
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -167,39 +207,56 @@ class TableReader {
         fields.back() += c;
       }
     }
+    if (in_quotes) return wrong(line, "expected a closing quotation mark");
     for (std::string& field : fields) field = std::string(trimmed(field));
     return fields;
   }
 
-  static Column find_columns(const std::vector<std::string>& names) {
+  Result<Column> find_columns(const Line& line, const std::vector<std::string>& names) const {
     Column column;
-    const auto set = [](std::optional<std::size_t>& which, std::size_t i) {
-      if (!which) which = i;
-    };
     for (std::size_t i = 0; i < names.size(); ++i) {
       const std::string name = lower_case(names[i]);
-      if (name == "index" || name == "label" || name == "value" || name == "id") set(column.label, i);
-      if (name == "name") set(column.name, i);
-      if (name == "color" || name == "colour") set(column.color, i);
-      if (name == "r" || name == "red") set(column.red, i);
-      if (name == "g" || name == "green") set(column.green, i);
-      if (name == "b" || name == "blue") set(column.blue, i);
+      // "label" beside "index" may be a name: the first of these counts.
+      const bool is_label = name == "index" || name == "label" || name == "value" || name == "id";
+      std::optional<std::size_t>* const which = is_label                              ? &column.label
+                                                : name == "name"                      ? &column.name
+                                                : name == "color" || name == "colour" ? &column.color
+                                                : name == "r" || name == "red"        ? &column.red
+                                                : name == "g" || name == "green"      ? &column.green
+                                                : name == "b" || name == "blue"       ? &column.blue
+                                                                                      : nullptr;
+      if (which == nullptr) continue;
+      if (!*which) {
+        *which = i;
+      } else if (!is_label || lower_case(names[**which]) == name) {
+        return wrong(line, "expected each column once, found " + quoted(names[**which]) + " and " +
+                               quoted(names[i]) + " as columns " + std::to_string(**which + 1) + " and " +
+                               std::to_string(i + 1));
+      }
+    }
+    if (!column.label) {
+      return wrong(line, "expected columns index, name and color, found " + quoted(trimmed(line.text)));
+    }
+    const int parts =
+        int{column.red.has_value()} + int{column.green.has_value()} + int{column.blue.has_value()};
+    if (!column.color && parts != 0 && parts != 3) {
+      return wrong(line,
+                   "expected all of the columns r, g and b, or none, found " + quoted(trimmed(line.text)));
     }
     return column;
   }
 
   Status read_columns(const std::vector<Line>& lines, char separator) {
-    const std::vector<std::string> names = fields_of(lines.front().text, separator);
-    const Column column = find_columns(names);
-    if (!column.label) {
-      return wrong(lines.front(),
-                   "expected columns index, name and color, found " + quoted(trimmed(lines.front().text)));
-    }
+    GVX_ASSIGN(const std::vector<std::string> names, fields_of(lines.front(), separator));
+    GVX_ASSIGN(const Column column, find_columns(lines.front(), names));
     for (const Line& line : std::span(lines).subspan(1)) {
-      const std::vector<std::string> fields = fields_of(line.text, separator);
-      const auto field = [&](std::size_t i) {
-        return i < fields.size() ? std::string_view(fields[i]) : std::string_view();
-      };
+      GVX_ASSIGN(const std::vector<std::string> fields, fields_of(line, separator));
+      if (fields.size() < column.fields()) {
+        return wrong(line, "expected " + std::to_string(names.size()) + " fields, as line " +
+                               std::to_string(lines.front().number) + " has, found " +
+                               std::to_string(fields.size()));
+      }
+      const auto field = [&](std::size_t i) { return std::string_view(fields[i]); };
       GVX_ASSIGN(const std::uint32_t label, label_of(line, field(*column.label)));
       scene::LabelEntry entry;
       if (column.name) entry.name = std::string(field(*column.name));
@@ -214,7 +271,7 @@ class TableReader {
                                                        field(*column.blue)};
         GVX_ASSIGN(entry.color, color_of(line, parts));
       }
-      table_[label] = std::move(entry);
+      GVX_TRY(add(line, label, std::move(entry), false));
     }
     return {};
   }
@@ -230,14 +287,22 @@ class TableReader {
     }
   }
 
+  struct Added {
+    std::size_t number;
+    std::string_view text;
+  };
+
   const std::string& path_;
+  std::vector<std::string>* warnings_;
+  std::optional<Line> first_named_, first_colored_;  // in a table of words
+  std::map<std::uint32_t, Added> lines_;
   scene::LabelTable table_;
   std::map<std::uint32_t, double> fourth_numbers_;  ///< 0 to 1
 };
 
 }  // namespace
 
-Result<scene::LabelTable> read_label_table(const std::string& path) {
+Result<scene::LabelTable> read_label_table(const std::string& path, std::vector<std::string>* warnings) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return file_error(path, "cannot open");
   std::string text(kLargestFile + 1, '\0');
@@ -247,7 +312,7 @@ Result<scene::LabelTable> read_label_table(const std::string& path) {
   if (text.size() > kLargestFile) return file_error(path, "larger than a table of labels can be (16 MiB)");
   if (text.find('\0') != std::string::npos)
     return file_error(path, "a table of labels is a text, this is not");
-  return TableReader(path).read(text);
+  return TableReader(path, warnings).read(text);
 }
 
 bool is_label_table_name(std::string_view name) {

@@ -82,7 +82,7 @@ TEST(LabelTableFile, errors_name_the_line_and_what_was_expected) {
   expect_error("# nothing\n\n", "holds none");
   expect_error("hello world\n", "line 1: expected NUMBER NAME RED GREEN BLUE");
   expect_error("1 a 1 2 3\n\n-2 b 1 2 3\n", "line 3: expected a label, a whole number from 0, found");
-  expect_error("1 a 1 2 256\n", "line 1: expected red, green and blue from 0 to 255, found");
+  expect_error("1 a 1 2 256\n", "line 1: expected red, green and blue as whole numbers from 0 to 255, found");
   expect_error("1 a 1 2 3 900\n", "line 1: expected a fourth number from 0 to 255");
   expect_error("1 1 2 3 7 1 1 \"a\"\n", "line 1: expected an opacity from 0 to 1");
   expect_error("1 1 2 3 1 x 1 \"a\"\n", "line 1: expected a visibility, 0 or 1");
@@ -94,6 +94,37 @@ TEST(LabelTableFile, errors_name_the_line_and_what_was_expected) {
   EXPECT_NE(read_label_table(temporary_path("missing.txt")).error().message.find("cannot open"),
             std::string::npos);
   EXPECT_FALSE(read_label_table(testing::TempDir()).ok());
+}
+
+TEST(LabelTableFile, broken_lines_are_errors_that_name_them) {
+  expect_error("index,name,color\n1,\"a,#112233\n", "line 2: expected a closing quotation mark");
+  expect_error("1 255 0 0 1 1 1 \"A\n", "line 1: expected a closing quotation mark");
+  expect_error("1 \"A\n", "line 1: expected a closing quotation mark");
+  expect_error("index,name,color\n1,a\n", "line 2: expected 3 fields, as line 1 has, found 2");
+  expect_error("index,name,r\n1,a,2\n", "line 1: expected all of the columns r, g and b, or none");
+  expect_error("index,name,r,g,b\n1,a,2,3\n", "line 2: expected 5 fields");
+  expect_error("1 A 255\n", "line 1: expected NUMBER NAME RED GREEN BLUE");
+  expect_error("1 A 255 0\n", "line 1: expected NUMBER NAME RED GREEN BLUE");
+  expect_error("1 A 255 0 0 0\n2 B\n", "line 2: expected a colour, as line 1 has");
+  expect_error("1 A 0.5 0 0 0\n", "line 1: expected red, green and blue as whole numbers");
+  expect_error("index,name,Name\n1,a,b\n", "line 1: expected each column once, found 'name' and 'Name'");
+  expect_error("index,index\n1,2\n", "expected each column once");
+  expect_error("index,name\n1,a\n2,b\n1,c\n", "line 4: label 1 has a line already, line 2");
+  expect_error("1 a\n1 b\n", "line 2: label 1 has a line already, line 1");
+  EXPECT_EQ(read("1 Precentral_L 1\n2 Precentral_R 2\n").value().at(2), (scene::LabelEntry{"Precentral_R"}));
+  EXPECT_EQ(read("index,name,color\n1,a,\n1,a,\n").value().at(1), (scene::LabelEntry{"a"}));
+}
+
+TEST(LabelTableFile, later_lines_of_freesurfer_tables_count_with_a_warning) {
+  const std::string path = temporary_path("labels.txt");
+  write_file(path, "1 a 1 2 3 0\n2 b 1 2 3 0\n2 b 1 2 3 0\n1 c 4 5 6 0\n");
+  std::vector<std::string> warnings;
+  const auto table = read_label_table(path, &warnings).value();
+  EXPECT_EQ(table.at(1), (scene::LabelEntry{"c", bytes(4, 5, 6), 1}));
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings.front().find("labels.txt: line 4: label 1 has a line already, line 1"),
+            std::string::npos)
+      << warnings.front();
 }
 
 TEST(LabelTableFile, hostile_texts_come_back) {

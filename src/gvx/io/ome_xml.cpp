@@ -136,7 +136,12 @@ class OmeParser {
       const std::string name = std::string("PhysicalSize") + "XYZ"[axis];
       if (const auto text = a.find(name)) {
         const auto value = parse_number(trimmed(*text));
-        if (value && std::isfinite(*value) && *value > 0) image.spacing[axis] = value;
+        if (value && std::isfinite(*value) && *value > 0) {
+          image.spacing[axis] = value;
+        } else {
+          image.remarks.push_back("OME-XML: " + name + ": expected a number above 0, found " + quoted(*text) +
+                                  "; a spacing of 1 is assumed");
+        }
       }
       image.unit[axis] = a.text(name + "Unit");
     }

@@ -38,6 +38,7 @@ struct OmeImage {
   std::array<std::string, 3> unit;               ///< UTF-8; the schema's default is micrometres.
   std::vector<OmeChannel> channels;
   std::vector<OmeTiffData> data;
+  std::vector<std::string> remarks;  ///< Attributes that say nothing usable, and what is assumed instead.
 };
 
 struct OmeMetadata {

@@ -13,6 +13,7 @@
 
 #include "gvx/exec/parallel.h"
 #include "gvx/io/header_text.h"
+#include "gvx/io/physical_values.h"
 #include "gvx/io/sample_conversion.h"
 #include "gvx/store/notes.h"
 #include "gvx/store/pyramid.h"
@@ -300,6 +301,10 @@ std::vector<std::string> StoreBuildReport::warnings(const std::string& path, Sam
 Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reader, const std::string& path,
                                      const StoreBuildOptions& options, const BuildProgress& progress) {
   const VolumeDescription& d = reader.description();
+  if (options.labels && (d.scale != 1 || d.offset != 0)) {
+    PhysicalValueReader physical(reader);
+    return build_store(cpu, physical, path, options, progress);
+  }
   store::VolumeInfo info;
   info.shape = store::TreeShape::covering(d.dimensions, options.n, options.m);
   GVX_ASSIGN(info.format, choose_format(d, options));
@@ -353,7 +358,7 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reade
     }
     conversion = candidates[most_faithful(losses)];
   }
-  // Labels and colours are what they are: a slope means nothing for them.
+  // Labels are physical values already. Colours are what they are: a slope means nothing for them.
   info.scale = keeps_numbers ? 1 : d.scale * conversion->unit;
   info.offset = keeps_numbers ? 0 : d.offset + d.scale * conversion->bias;
   if (!std::isnormal(info.scale) || !std::isfinite(info.offset)) {

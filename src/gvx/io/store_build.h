@@ -25,7 +25,8 @@ struct StoreBuildOptions {
   /// The type of voxels. Default: for samples of 8 or 16 bits the narrowest type that keeps every value, for
   /// wider samples f32.
   std::optional<VoxelType> type;
-  /// The numbers are labels. They keep their values; coarser levels take the most frequent label.
+  /// The physical values are labels, whole numbers from 0 to 65535; an error if one is not. Coarser levels
+  /// take the most frequent label.
   bool labels = false;
   std::uint64_t memory_bytes = 1ull << 30;  ///< the most memory that the build may use
 };

@@ -1,5 +1,6 @@
 #include "gvx/io/store_build.h"
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -199,6 +200,61 @@ TEST(StoreBuild, wide_labels_keep_their_numbers_or_are_refused) {
   EXPECT_NE(
       error_of(write_raw<float>("f32", [](int i) { return i == 9 ? 1e30f : 1; })).find("found 1.0000000"),
       std::string::npos);
+}
+
+/// A NIfTI file of 1400 samples value(i) of u8 or i16.
+template <typename Sample, typename Function>
+std::string write_nifti(float slope, float intercept, Function value) {
+  const std::string path = temporary("labels.nii");
+  std::string bytes(352, '\0');
+  const auto put = [&](std::size_t at, auto number) { std::memcpy(&bytes[at], &number, sizeof(number)); };
+  put(0, std::int32_t{348});
+  constexpr std::array<std::int16_t, 4> kDimensions = {3, 20, 10, 7};
+  for (std::size_t i = 0; i < 4; ++i) put(40 + 2 * i, kDimensions[i]);
+  put(70, static_cast<std::int16_t>(sizeof(Sample) == 1 ? 2 : 4));
+  put(72, static_cast<std::int16_t>(8 * sizeof(Sample)));
+  for (std::size_t i = 0; i < 4; ++i) put(76 + 4 * i, 1.0f);
+  put(108, 352.0f);
+  put(112, slope);
+  put(116, intercept);
+  std::memcpy(&bytes[344], "n+1", 4);
+  for (int i = 0; i < 1400; ++i) {
+    const auto sample = static_cast<Sample>(value(i));
+    bytes.append(reinterpret_cast<const char*>(&sample), sizeof(sample));
+  }
+  std::ofstream(path, std::ios::binary) << bytes;
+  return path;
+}
+
+TEST(StoreBuild, labels_are_physical_values) {
+  StoreBuildOptions options;
+  options.labels = true;
+  const auto expect_labels = [&](const std::string& input, VoxelType type, int step, int first) {
+    const auto reader = build(input, options);
+    ASSERT_TRUE(reader.ok()) << reader.error().message;
+    EXPECT_EQ(reader.value()->info().format, (VoxelFormat{type, VoxelContent::labels, 1}));
+    EXPECT_EQ(reader.value()->info().scale, 1);
+    EXPECT_EQ(reader.value()->info().offset, 0);
+    for (int i = 0; i < 1400; i += 13) ASSERT_EQ(stored(*reader.value(), i), step * (i % 100) + first) << i;
+  };
+  const auto ramp = [](int i) { return i % 100; };
+  expect_labels(write_nifti<std::uint8_t>(2, 5, ramp), VoxelType::u8, 2, 5);
+  expect_labels(write_nifti<std::uint8_t>(300, 0, ramp), VoxelType::u16, 300, 0);
+  expect_labels(write_nifti<std::int16_t>(1, 1024, [](int i) { return i % 100 - 1024; }), VoxelType::u8, 1,
+                0);
+  // 0.1 is no float.
+  expect_labels(write_nifti<std::int16_t>(0.1f, 0, [](int i) { return 10 * (i % 100); }), VoxelType::u8, 1,
+                0);
+  const auto expect_error = [&](const std::string& input, const std::string& part) {
+    const auto reader = build(input, options);
+    ASSERT_FALSE(reader.ok());
+    EXPECT_NE(reader.error().message.find(part), std::string::npos) << reader.error().message;
+  };
+  expect_error(write_nifti<std::uint8_t>(2, -5, ramp), "labels: expected 0 to 65535, found -5");
+  expect_error(write_nifti<std::uint8_t>(1, -1024, ramp), "labels: expected 0 to 65535, found -1024");
+  expect_error(write_nifti<std::uint8_t>(0.5f, 0, [](int i) { return i == 7 ? 3 : 2; }),
+               "labels: expected whole numbers, found 1.5");
+  expect_error(write_nifti<std::uint8_t>(3e38f, 0, ramp), "labels: expected 0 to 65535, found ");
 }
 
 TEST(StoreBuild, quantises_to_a_narrower_type_over_the_whole_range) {

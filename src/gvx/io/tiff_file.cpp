@@ -203,9 +203,14 @@ Result<std::vector<TiffPage>> TiffFile::pages() {
     next.number = static_cast<std::int64_t>(pages.size()) + 1;
     complaint_->clear();
     if (TIFFReadDirectory(tiff_) != 1) {
-      return complaint(
-          next,
-          "cannot be read: the list of pages of the TIFF file is broken or comes back to an earlier one");
+      // libtiff stands at the directory only where it has found it.
+      const std::uint64_t position = TIFFCurrentDirOffset(tiff_);
+      const bool found = position != (pages.empty() ? 0 : pages.back().position);
+      GVX_ASSIGN(const bool whole, is_whole_directory(position));
+      return complaint(next, found && whole
+                                 ? "cannot be read"
+                                 : "cannot be read: the list of pages of the TIFF file is broken or comes "
+                                   "back to an earlier one");
     }
     GVX_ASSIGN(next, describe_page(next.number));
     if (next.unreadable.empty() && !next.reduced) GVX_TRY(check_blocks(next));
@@ -213,26 +218,27 @@ Result<std::vector<TiffPage>> TiffFile::pages() {
     pages.push_back(std::move(next));
   }
   if (pages.empty()) return file_error(path_, "expected a TIFF file with at least one page, found none");
-  GVX_TRY(check_last_directory(pages.back()));
+  // libtiff takes a directory whose end is cut off, where the position of the next one stands, for the last.
+  GVX_ASSIGN(const bool whole, is_whole_directory(pages.back().position));
+  if (!whole) return error(pages.back(), "the list of pages ends early: the file is cut short");
   page_count_ = static_cast<std::int64_t>(pages.size());
   return pages;
 }
 
-/// libtiff takes a directory whose end is cut off, where the position of the next one stands, for the last.
-Status TiffFile::check_last_directory(const TiffPage& last) const {
-  const bool big = TIFFIsBigTIFF(tiff_) != 0;
+Result<bool> TiffFile::is_whole_directory(std::uint64_t position) const {
+  const bool big = TIFFIsBigTIFF(tiff_) != 0, big_endian = TIFFIsBigEndian(tiff_) != 0;
   std::array<std::byte, 8> stored{};
   const auto count_bytes = std::span(stored).first(big ? 8 : 2);
+  if (position >= size_bytes_) return false;
   GVX_ASSIGN(FileSource source, FileSource::open(path_));
-  GVX_TRY(source.seek(last.position));
+  GVX_TRY(source.seek(position));
   GVX_ASSIGN(const std::size_t read, source.read(count_bytes));
   std::uint64_t entries = 0;
   for (std::size_t i = 0; i < read; ++i) {
-    entries = entries << 8 | std::to_integer<std::uint64_t>(count_bytes[last.big_endian ? i : read - 1 - i]);
+    entries = entries << 8 | std::to_integer<std::uint64_t>(count_bytes[big_endian ? i : read - 1 - i]);
   }
-  const std::uint64_t rest = size_bytes_ - std::min(size_bytes_, last.position + count_bytes.size());
-  if (entries < rest / (big ? 20 : 12) + 1 && entries * (big ? 20 : 12) + (big ? 8 : 4) <= rest) return {};
-  return error(last, "the list of pages ends early: the file is cut short");
+  const std::uint64_t rest = size_bytes_ - std::min(size_bytes_, position + count_bytes.size());
+  return entries < rest / (big ? 20 : 12) + 1 && entries * (big ? 20 : 12) + (big ? 8 : 4) <= rest;
 }
 
 Result<TiffPage> TiffFile::describe_page(std::int64_t number) {
@@ -282,6 +288,10 @@ Status TiffFile::check_blocks(const TiffPage& page) const {
     const std::uint64_t bytes = failed != 0 ? 0 : TIFFGetStrileByteCountWithErr(tiff_, i, &failed);
     if (failed != 0) return wrong("has no place in the file");
     if (begin == 0 && bytes == 0) continue;  // nothing was stored: zeros
+    if (begin < (TIFFIsBigTIFF(tiff_) != 0 ? 16 : 8)) {
+      return wrong("begins at byte " + std::to_string(begin) + ", within the header of the file (" +
+                   (tiled ? "TileOffsets" : "StripOffsets") + ")");
+    }
     if (begin > size_bytes_ || bytes > size_bytes_ - begin) {
       return wrong("ends behind the file's " + std::to_string(size_bytes_) +
                    " bytes: the file is cut short or broken");

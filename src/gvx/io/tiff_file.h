@@ -66,7 +66,8 @@ class TiffFile {
   Error complaint(const TiffPage& page, const std::string& message) const;
   Result<TiffPage> describe_page(std::int64_t number);
   Status check_blocks(const TiffPage& page) const;
-  Status check_last_directory(const TiffPage& last) const;
+  /// Does the file hold all of the directory at this position, in bytes?
+  Result<bool> is_whole_directory(std::uint64_t position) const;
   void read_tags();
   Status select(const TiffPage& page);
   Status read_strips(const TiffPage& page, int first, int count, const TiffTarget& target);

@@ -121,6 +121,48 @@ TEST(TiffHostile, SizesThatTheFileCannotHoldAreErrors) {
   expect_text(outcome(describe(path)), "not a TIFF file");
 }
 
+TEST(TiffHostile, FaultsOfAPageNameThePageAndTheTag) {
+  const std::string path = temporary_path("fault.tif");
+  write_tiff(path, flat_pages("ab"), "wl");
+  const std::string good = read_file(path);
+  // The last directory is that of page 2.
+  const auto with_field = [&](std::uint16_t tag, std::uint16_t new_tag, std::uint32_t value) {
+    std::string bytes = good;
+    const std::size_t last =
+        good.rfind(bytes_of(std::uint16_t{256}, false) + bytes_of(std::uint16_t{3}, false));
+    const std::size_t at = good.find(bytes_of(tag, false), last);
+    EXPECT_NE(at, std::string::npos);
+    bytes.replace(at, 2, bytes_of(new_tag, false));
+    bytes.replace(at + 8, 4, bytes_of(value, false));
+    write_file(path, bytes);
+    return outcome(describe(path));
+  };
+  const auto expect_fault = [](const std::string& message, const std::string& part) {
+    expect_text(message, "page 2: ");
+    expect_text(message, part);
+    EXPECT_EQ(message.find("list of pages"), std::string::npos) << message;
+  };
+  expect_fault(with_field(277, 277, 0), "SamplesPerPixel");
+  expect_fault(with_field(256, 256, 0), "ImageWidth");
+  expect_fault(with_field(339, 339, 99), "SampleFormat");
+  expect_fault(with_field(278, 278, 0), "RowsPerStrip");
+  expect_fault(with_field(284, 284, 9), "PlanarConfig");
+  expect_fault(with_field(273, 65000, 0), "StripOffsets");
+
+  std::string bytes = good;
+  write_tiff(path,
+             {{.bytes = std::string(12, 'x'),
+               .more = [](TIFF* tiff) { TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, 3); }}},
+             "wl");
+  bytes = read_file(path);
+  const std::size_t offset =
+      bytes.find(bytes_of(std::uint16_t{273}, false) + bytes_of(std::uint16_t{4}, false));
+  ASSERT_NE(offset, std::string::npos);
+  bytes.replace(offset + 8, 4, bytes_of(std::uint32_t{0}, false));
+  write_file(path, bytes);
+  expect_text(outcome(describe(path)), "begins at byte 0, within the header of the file (StripOffsets)");
+}
+
 TEST(TiffHostile, FilesThatOnceCrashedReaders) {
   if (data_folder().empty()) GTEST_SKIP() << "set GVX_TEST_DATA to the folder with third-party test data";
   int files = 0, good = 0;

@@ -57,6 +57,8 @@ TEST(TiffImageJ, HyperstacksHaveChannelsSlicesAndFrames) {
   write_tiff(path, flat_pages("abc", "ImageJ=1.53t\nimages=8\nchannels=2\nslices=2\nframes=2\n"));
   EXPECT_EQ(first_samples(path), "abc");
   expect_text(remarks_of(path), "speaks of 8 images, but the file has 3");
+  write_tiff(path, flat_pages("abcdef", "ImageJ=1.53t\nimages=6\nslices=12\n"));
+  expect_text(remarks_of(path), "is 1 x 12 x 1, which is not the number of images, 6; its pages");
 }
 
 TEST(TiffImageJ, LargeStacksHaveOneDirectory) {
@@ -128,6 +130,27 @@ TEST(TiffOme, PagesInAnyOrderAndMissingPlanes) {
   expect_text(outcome(describe(path)), "planes, found 1");
   write_tiff(path, flat_pages("a", ome("SizeZ=\"2\" DimensionOrder=\"XYZCT\"", "<TiffData FirstZ=\"2\"/>")));
   expect_text(outcome(describe(path)), "FirstZ, FirstC or FirstT lies beyond");
+}
+
+TEST(TiffOme, WhatIsNotUsableIsRemarked) {
+  const std::string path = temporary_path("remarks.ome.tif");
+  const std::string sizes = "SizeZ=\"2\" SizeC=\"1\" SizeT=\"1\" DimensionOrder=\"XYZCT\" ";
+  for (const std::string size : {"0", "-1", "nan", "wide"}) {
+    write_tiff(
+        path,
+        flat_pages(
+            "ab", ome(sizes + "PhysicalSizeX=\"" + size + "\" PhysicalSizeY=\"2\" PhysicalSizeZ=\"3\"", "")));
+    EXPECT_EQ(spacing_of(describe(path).value()), Vec3d(1, 2, 3));
+    expect_text(remarks_of(path), "OME-XML: PhysicalSizeX: expected a number above 0, found '" + size +
+                                      "'; a spacing of 1 is assumed");
+  }
+  write_tiff(path, flat_pages("ab", ome(sizes, "<TiffData/>")));
+  EXPECT_EQ(remarks_of(path), "");
+  write_tiff(path, flat_pages("abc", ome(sizes, "")));
+  expect_text(remarks_of(path), "OME-XML does not say which planes page 3 is; it is not read");
+  write_tiff(path, flat_pages("abcd", ome(sizes, "<TiffData IFD=\"0\"/><TiffData FirstZ=\"1\" IFD=\"3\"/>")));
+  EXPECT_EQ(first_samples(path), "ad");
+  expect_text(remarks_of(path), "page 2 and 1 other are; they are not read");
 }
 
 TEST(TiffOme, VolumesOverSeveralFiles) {

@@ -29,8 +29,7 @@ class OmeFiles {
 
   /// The file of a block, or nothing where it is not there.
   Result<std::optional<std::size_t>> find(const OmeTiffData& data) {
-    const bool here = xml_path_ == path_ && !data.uuid.empty() && data.uuid == uuid_;
-    if (data.file_name.empty() || here) return std::optional<std::size_t>(0);
+    if (data.file_name.empty() || is_here(data)) return std::optional<std::size_t>(0);
     const std::string name = beside(xml_path_, data.file_name);
     if (const auto known = index_of_.find(name); known != index_of_.end()) return known->second;
     std::error_code failure;
@@ -49,6 +48,12 @@ class OmeFiles {
     return index_of_[name];
   }
 
+  /// Does the block name pages of the file that was asked for, as far as names tell?
+  bool in_first(const OmeTiffData& data) const {
+    return data.file_name.empty() || is_here(data) ||
+           std::filesystem::path(data.file_name).filename() == std::filesystem::path(path_).filename();
+  }
+
   const std::vector<TiffPage>& pages(std::size_t file) const { return pages_[file]; }
   std::int64_t page_count() const {
     std::int64_t count = 0;
@@ -59,10 +64,21 @@ class OmeFiles {
   std::vector<std::string> files, missing;
 
  private:
+  bool is_here(const OmeTiffData& data) const {
+    return xml_path_ == path_ && !data.uuid.empty() && data.uuid == uuid_;
+  }
+
   std::string path_, xml_path_, uuid_;
   std::vector<std::vector<TiffPage>> pages_;
   std::map<std::string, std::optional<std::size_t>> index_of_;
 };
+
+/// Of the image at one time: fewer than SizeC where the XML counts a page's samples as channels, such as the
+/// 3 of an RGB page.
+std::int64_t pages_a_slice(const OmeImage& image, const std::vector<TiffPage>& pages) {
+  const std::int64_t together = pages.front().samples;
+  return together > 1 && image.c % together == 0 ? image.c / together : image.c;
+}
 
 /// Counts planes in the order in which pages follow each other.
 struct PlaneOrder {
@@ -89,6 +105,9 @@ struct PlaneOrder {
     if (axis > 1) plane /= sizes[1];
     return plane % sizes[axis];
   }
+  bool beyond(const OmeTiffData& data) const {
+    return data.z >= sizes[z] || data.c >= sizes[c] || data.t >= sizes[t];
+  }
   std::int64_t plane(const OmeTiffData& data) const {
     std::int64_t places[3];
     places[z] = data.z, places[c] = data.c, places[t] = data.t;
@@ -103,8 +122,7 @@ class PlaneFinder {
       : files_(files), order_(order), frame_(frame) {}
 
   Status add(const std::string& path, const OmeTiffData& data) {
-    if (data.z >= order_.sizes[order_.z] || data.c >= order_.sizes[order_.c] ||
-        data.t >= order_.sizes[order_.t]) {
+    if (order_.beyond(data)) {
       return file_error(path, "TiffData: FirstZ, FirstC or FirstT lies beyond the size of the axis");
     }
     const std::int64_t begin = order_.plane(data);
@@ -135,6 +153,37 @@ class PlaneFinder {
   std::int64_t steps_ = 0;
   Found found_;
 };
+
+/// A remark on pages of full size in the file itself that are no plane of any image, or nothing.
+std::string pages_without_planes(const OmeFiles& files, const OmeMetadata& metadata) {
+  const std::vector<TiffPage>& pages = files.pages(0);
+  const auto there = static_cast<std::int64_t>(pages.size());
+  std::vector<bool> named(pages.size());
+  std::int64_t steps = 0;
+  const std::vector<OmeTiffData> everything(1);
+  for (const OmeImage& image : metadata.images) {
+    const PlaneOrder order(image, pages_a_slice(image, pages));
+    for (const OmeTiffData& data : image.data.empty() ? everything : image.data) {
+      if (!files.in_first(data) || order.beyond(data)) continue;
+      const std::int64_t left = order.all() == INT64_MAX ? INT64_MAX : order.all() - order.plane(data);
+      const std::int64_t count = std::min({data.pages.value_or(INT64_MAX), there - data.page, left});
+      steps += std::max<std::int64_t>(count, 0);
+      if (steps > 16 * there) return {};
+      for (std::int64_t i = 0; i < count; ++i) named[static_cast<std::size_t>(data.page + i)] = true;
+    }
+  }
+  std::int64_t count = 0, first = 0;
+  for (std::size_t i = 0; i < pages.size(); ++i) {
+    if (named[i] || pages[i].reduced || is_smaller_copy(pages[i], pages.front())) continue;
+    if (count++ == 0) first = pages[i].number;
+  }
+  if (count == 0) return {};
+  const std::string page = "page " + std::to_string(first);
+  return "OME-XML does not say which planes " +
+         (count == 1 ? page + " is; it is not read"
+                     : page + " and " + std::to_string(count - 1) +
+                           (count == 2 ? " other are" : " others are") + "; they are not read");
+}
 
 Result<const OmeImage*> choose_image(const OmeMetadata& metadata, const VolumeOptions& options,
                                      VolumeDescription& d) {
@@ -217,12 +266,10 @@ Result<TiffVolume> find_ome_volume(const std::string& path, const std::string& x
   VolumeDescription& d = volume.description;
   d.path = path;
   GVX_ASSIGN(const OmeImage* image, choose_image(metadata, options, d));
+  if (!options.raw.spacing) d.remarks.insert(d.remarks.end(), image->remarks.begin(), image->remarks.end());
   GVX_ASSIGN(const std::int64_t frame, choose_frame(options, image->t, d));
 
-  // Samples of a page that the XML counts as channels: 3 of an RGB page.
-  const std::int64_t together = pages.front().samples;
-  const bool interleaved = together > 1 && image->c % together == 0;
-  const std::int64_t channels = interleaved ? image->c / together : image->c;
+  const std::int64_t channels = pages_a_slice(*image, pages);
   const PlaneOrder order(*image, channels);
   if (order.all() == INT64_MAX) return file_error(path, "OME-XML: expected less than 2^63 planes");
   OmeFiles files(path, xml_path, metadata, pages);
@@ -271,6 +318,8 @@ Result<TiffVolume> find_ome_volume(const std::string& path, const std::string& x
         " planes are missing and read as 0" +
         (files.missing.empty() ? "" : "; these files are not there: " + some_of(files.missing)));
   }
+  if (const std::string remark = pages_without_planes(files, metadata); !remark.empty())
+    d.remarks.push_back(remark);
   set_ome_place(*image, d);
   set_channels(*image, samples, d);
   volume.files = files.files;

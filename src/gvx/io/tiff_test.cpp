@@ -214,6 +214,27 @@ TEST(Tiff, FoldersAndPatternsInTheOrderOfTheirNumbers) {
   EXPECT_FALSE(in_natural_order("a7", "a7"));
 }
 
+TEST(Tiff, NamesThatAreNoFilesAndGapsInNumbersAreNamed) {
+  const std::string folder = temporary_path("slices_with_gaps");
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder + "/z4.tif");
+  expect_text(outcome(describe(folder + "/*.tif")), "found none but z4.tif (a folder, a pipe");
+  for (const int i : {1, 2, 3, 10}) write_tiff(folder + "/z" + std::to_string(i) + ".tif", flat_pages("a"));
+  std::filesystem::create_symlink("nowhere.tif", folder + "/z5.tif");
+  std::filesystem::create_directory_symlink("z4.tif", folder + "/z11.tif");
+  expect_text(remarks_of(folder), "left out: z4.tif and 2 others (a folder, a pipe");
+  expect_text(remarks_of(folder),
+              "numbers are missing between z3.tif and z10.tif; the slices are read as neighbours");
+  EXPECT_EQ(describe(folder).value().dimensions.z, 4);
+
+  EXPECT_EQ(gaps_in_numbers({"z1.tif", "z2.tif", "z03.tif"}), "");
+  EXPECT_EQ(gaps_in_numbers({"z0.tif", "z10.tif", "z20.tif"}), "");
+  EXPECT_EQ(gaps_in_numbers({"c1_z1.tif", "c1_z2.tif", "c5_z1.tif", "c5_z2.tif"}), "");
+  EXPECT_EQ(gaps_in_numbers({"a.tif", "b.tif", "z99999999999999999999.tif"}), "");
+  expect_text(gaps_in_numbers({"z8.tif", "z09.tif", "z12.tif", "z13.tif", "z15.tif"}),
+              "between z09.tif and z12.tif and in 1 other place;");
+}
+
 TEST(Tiff, OptionsThatDoNotApply) {
   const std::string path = temporary_path("options.tif");
   write_tiff(path, flat_pages("ab"));

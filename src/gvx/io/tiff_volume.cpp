@@ -99,9 +99,14 @@ Result<TiffVolume> imagej_volume(const std::string& path, const TiffFile& file, 
   if (channels > count || slices > count || frames > count || channels * slices > count ||
       channels * slices * frames != count) {
     if (info.images > 1 || count > 1) {
-      volume.description.remarks.push_back("ImageJ's description speaks of " + std::to_string(info.images) +
-                                           " images, but the file has " + std::to_string(count) +
-                                           "; its pages are read as slices");
+      volume.description.remarks.push_back(
+          (info.images != count
+               ? "ImageJ's description speaks of " + std::to_string(info.images) +
+                     " images, but the file has " + std::to_string(count)
+               : "ImageJ's description: channels x slices x frames is " + std::to_string(channels) + " x " +
+                     std::to_string(slices) + " x " + std::to_string(frames) +
+                     ", which is not the number of images, " + std::to_string(count)) +
+          "; its pages are read as slices");
     }
     channels = frames = 1;
     slices = count;
@@ -222,7 +227,12 @@ Result<TiffVolume> files_volume(const std::string& path, const std::vector<std::
              describe_samples(*first, volume.pages.front(), static_cast<std::int64_t>(names.size()), 1,
                               volume.description));
   set_planes(volume, samples, [](std::int64_t slice, std::int64_t) { return slice; });
+  if (const std::string gaps = gaps_in_numbers(names); !gaps.empty())
+    volume.description.remarks.push_back(gaps);
   if (ome) {
+    for (const std::string& remark : ome->remarks) {
+      if (remark.starts_with("OME-XML: PhysicalSize")) volume.description.remarks.push_back(remark);
+    }
     volume.description.voxel_to_world = ome->voxel_to_world;
     volume.description.unit = ome->unit;
   } else if (imagej) {
@@ -233,15 +243,31 @@ Result<TiffVolume> files_volume(const std::string& path, const std::vector<std::
   return volume;
 }
 
+/// Names without a file behind them.
+std::string no_slices(const std::vector<std::string>& names) {
+  const std::size_t others = names.size() - 1;
+  return names.front() +
+         (others == 0   ? ""
+          : others == 1 ? " and 1 other"
+                        : " and " + std::to_string(others) + " others") +
+         " (a folder, a pipe, a device or a link to nothing, not a file)";
+}
+
 }  // namespace
 
 Result<TiffVolume> find_tiff_volume(const std::string& path, const VolumeOptions& options) {
   std::error_code ignored;
   if (!std::filesystem::is_directory(path, ignored) && !is_tiff_pattern(path))
     return file_volume(path, options);
-  GVX_ASSIGN(const std::vector<std::string> names, tiff_names(path));
-  if (names.empty()) return file_error(path, "expected TIFF files (.tif, .tiff), found none");
-  return files_volume(path, names, options);
+  std::vector<std::string> no_files;
+  GVX_ASSIGN(const std::vector<std::string> names, tiff_names(path, &no_files));
+  if (names.empty()) {
+    return file_error(path, "expected TIFF files (.tif, .tiff), found none" +
+                                (no_files.empty() ? std::string() : " but " + no_slices(no_files)));
+  }
+  GVX_ASSIGN(TiffVolume volume, files_volume(path, names, options));
+  if (!no_files.empty()) volume.description.remarks.push_back("left out: " + no_slices(no_files));
+  return volume;
 }
 
 Result<std::int64_t> choose_frame(const VolumeOptions& options, std::int64_t frames, VolumeDescription& d) {
