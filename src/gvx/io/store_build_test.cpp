@@ -254,7 +254,7 @@ TEST(StoreBuild, labels_are_physical_values) {
   expect_error(write_nifti<std::uint8_t>(1, -1024, ramp), "labels: expected 0 to 65535, found -1024");
   expect_error(write_nifti<std::uint8_t>(0.5f, 0, [](int i) { return i == 7 ? 3 : 2; }),
                "labels: expected whole numbers, found 1.5");
-  expect_error(write_nifti<std::uint8_t>(3e38f, 0, ramp), "labels: expected 0 to 65535, found ");
+  expect_error(write_nifti<std::uint8_t>(3e35f, 0, ramp), "labels: expected 0 to 65535, found ");
 }
 
 TEST(StoreBuild, quantises_to_a_narrower_type_over_the_whole_range) {
