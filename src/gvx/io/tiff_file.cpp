@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <tiffio.h>
@@ -207,6 +208,12 @@ Result<std::vector<TiffPage>> TiffFile::pages() {
       const std::uint64_t position = TIFFCurrentDirOffset(tiff_);
       const bool found = position != (pages.empty() ? 0 : pages.back().position);
       GVX_ASSIGN(const bool whole, is_whole_directory(position));
+      for (const auto& [tag, name] :
+           {std::pair{TIFFTAG_IMAGEWIDTH, "ImageWidth"}, {TIFFTAG_IMAGELENGTH, "ImageLength"}}) {
+        std::uint32_t size = 1;
+        if (found && TIFFGetField(tiff_, static_cast<ttag_t>(tag), &size) == 1 && size == 0)
+          return error(next, std::string(name) + ": expected 1 or more, found 0");
+      }
       return complaint(next, found && whole
                                  ? "cannot be read"
                                  : "cannot be read: the list of pages of the TIFF file is broken or comes "
