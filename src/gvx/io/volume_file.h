@@ -113,7 +113,8 @@ Status set_data_files(VolumeFile& file, const char* field, const std::vector<std
                       const std::vector<std::int64_t>& sizes, std::int64_t axes_in_file);
 
 /// Fails unless every dimension is 1 to 2^31-1, all samples together are less than 2^62 bytes, voxel_to_world
-/// has an inverse, and scale and offset are finite, scale not zero.
+/// has an inverse and columns of 1e-12 to 1e12, none a million times as long as another, and scale and offset
+/// are finite, scale not zero, and keep the values of integer samples within 32-bit floating point.
 Status check_description(const VolumeDescription& description);
 
 /// The same map with voxel (0, 0, 0)'s centre where `index_to_world` puts index (0, 0, 0): most formats'
