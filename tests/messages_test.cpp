@@ -150,5 +150,57 @@ TEST_F(Messages, info_reads_no_more_than_it_is_asked_for) {
   EXPECT_NE(text.find("not read (--values reads them, 2.0 GiB)"), std::string::npos) << text;
 }
 
+/// A page of 2 x 2 bytes of a little-endian TIFF file, at this place in it, with its directory and text
+/// behind it.
+std::string tiff_page(std::uint32_t at, char first, const std::string& description, bool last) {
+  const auto number = [](std::uint64_t value, int bytes) {
+    std::string text;
+    for (int i = 0; i < bytes; ++i) text += static_cast<char>(value >> 8 * i);
+    return text;
+  };
+  constexpr std::uint32_t kPixels = 4, kFields = 9, kDirectory = 2 + 12 * kFields + 4;
+  const std::uint32_t text = at + kPixels + kDirectory,
+                      end = text + static_cast<std::uint32_t>(description.size());
+  std::string page;
+  for (int i = 0; i < 4; ++i) page += static_cast<char>(first + i);
+  page += number(kFields, 2);
+  const auto field = [&](std::uint32_t tag, std::uint32_t type, std::uint32_t count, std::uint32_t value) {
+    page += number(tag, 2) + number(type, 2) + number(count, 4) + number(value, 4);
+  };
+  constexpr std::uint32_t kText = 2, kShort = 3, kLong = 4;
+  field(256, kLong, 1, 2);  // width, height, bits, compression, photometric
+  field(257, kLong, 1, 2);
+  field(258, kShort, 1, 8);
+  field(259, kShort, 1, 1);
+  field(262, kShort, 1, 1);
+  field(270, kText, static_cast<std::uint32_t>(description.size()), text);
+  field(273, kLong, 1, at);  // strip, rows in it, bytes of it
+  field(278, kLong, 1, 2);
+  field(279, kLong, 1, kPixels);
+  return page + number(last ? 0 : end + kPixels, 4) + description;
+}
+
+TEST_F(Messages, info_tells_a_channels_name_with_its_values) {
+  const std::string about =
+      R"(<?xml version="1.0"?><OME xmlns="http://www.openmicroscopy.org/Schemas/OME/2016-06"><Image ID="Image:0">)"
+      R"(<Pixels ID="Pixels:0" DimensionOrder="XYZCT" Type="uint8" SizeX="2" SizeY="2" SizeZ="1" SizeC="2" SizeT="1">)"
+      R"(<Channel ID="Channel:0:0" Name="DAPI"/><Channel ID="Channel:0:1" Name="GFP"/><TiffData/>)"
+      R"(</Pixels></Image></OME>)" +
+      std::string(1, '\0');
+  const std::string first = tiff_page(8, 10, about, false);
+  const auto second_at = static_cast<std::uint32_t>(8 + first.size());
+  std::string bytes = std::string("II*\0", 4) + std::string("\x0c\0\0\0", 4) + first;
+  write("two.tif", bytes + tiff_page(second_at, 20, about, true));
+  const Outcome told = gvx("info two.tif --json > two.json");
+  if (told.output.find("built without libtiff") != std::string::npos) GTEST_SKIP() << told.output;
+  ASSERT_EQ(told.status, 0) << told.output;
+  const auto channels = read_json("two.json")["channels"];
+  ASSERT_EQ(channels.size(), 2u) << channels;
+  EXPECT_EQ(channels[0]["name"], "DAPI");
+  EXPECT_EQ(channels[0]["maximum"], 13);
+  EXPECT_EQ(channels[1]["name"], "GFP");
+  EXPECT_EQ(channels[1]["maximum"], 23);
+}
+
 }  // namespace
 }  // namespace gvx

@@ -120,7 +120,6 @@ nlohmann::json describe_volume(const io::VolumeDescription& d) {
     j["frame"] = d.frame;
   }
   if (!d.remarks.empty()) j["remarks"] = d.remarks;
-  for (const io::ChannelDescription& channel : d.channels) j["channel_names"].push_back(channel.name);
   for (const io::SeriesDescription& series : d.series) {
     j["series"].push_back({{"number", series.number},
                            {"uid", series.uid},
@@ -185,8 +184,8 @@ void row(const char* name, const std::string& value) {
 
 /// What the numbers of a voxel are, by their place among so many.
 std::string channel_name(const nlohmann::json& j, std::size_t channel, std::size_t channels) {
-  if (j.contains("channel_names") && channel < j["channel_names"].size()) {
-    const std::string name = j["channel_names"][channel];
+  if (j.contains("channels") && channel < j["channels"].size()) {
+    const std::string name = j["channels"][channel]["name"];
     if (!name.empty()) return one_line(name);
   }
   const std::string content = j["content"];
@@ -280,7 +279,10 @@ void print(const std::string& path, const nlohmann::json& j) {
 }
 
 void print_json(nlohmann::json j, const std::vector<io::ValueSummary>& summaries) {
-  for (const io::ValueSummary& summary : summaries) j["channels"].push_back(value_json(summary));
+  // Beside a channel's name and colour, if it has any.
+  for (std::size_t channel = 0; channel < summaries.size(); ++channel) {
+    j["channels"][channel].update(value_json(summaries[channel]));
+  }
   std::printf("%s\n", j.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }
 
