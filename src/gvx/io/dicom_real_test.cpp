@@ -10,17 +10,6 @@
 namespace gvx::io::test {
 namespace {
 
-/// The folder that GVX_TEST_DATA names, ending in a slash; empty where it is unset or absent.
-std::string data_folder() {
-  const char* folder = std::getenv("GVX_TEST_DATA");
-  return folder != nullptr && std::filesystem::is_directory(folder) ? std::string(folder) + "/"
-                                                                    : std::string();
-}
-
-#define GVX_NEED_TEST_DATA(folder)          \
-  const std::string folder = data_folder(); \
-  if (folder.empty()) GTEST_SKIP() << "set GVX_TEST_DATA to the folder with third-party test data"
-
 bool says(const VolumeDescription& d, const std::string& text) {
   return std::any_of(d.remarks.begin(), d.remarks.end(),
                      [&](const std::string& remark) { return remark.find(text) != std::string::npos; });
@@ -106,9 +95,9 @@ TEST(RealDicom, MosaicsOf12BitsAreWhereAnotherProgramPutsThem) {
   GVX_NEED_TEST_DATA(data);
   const std::string folder = data + "formats/dicom/dcm_qa_12bit";
   VolumeOptions options;
-  options.series = "2";
+  options.series = std::string("2");
   expect_same_volume(folder, options, folder + "/Ref_2.nii");
-  options.series = "4";  // signed, with dirty high bits
+  options.series = std::string("4");  // signed, with dirty high bits
   expect_same_volume(folder, options, folder + "/Ref_4.nii");
 }
 

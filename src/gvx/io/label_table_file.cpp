@@ -3,18 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "gvx/core/text_file.h"
 #include "gvx/io/header_text.h"
 
 namespace gvx::io {
 namespace {
 
-constexpr std::size_t kLargestFile = 16u << 20;
 constexpr double kMostInByte = 255;
 
 struct Line {
@@ -303,13 +302,7 @@ class TableReader {
 }  // namespace
 
 Result<scene::LabelTable> read_label_table(const std::string& path, std::vector<std::string>* warnings) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return file_error(path, "cannot open");
-  std::string text(kLargestFile + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) return file_error(path, "cannot read");
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() > kLargestFile) return file_error(path, "larger than a table of labels can be (16 MiB)");
+  GVX_ASSIGN(const std::string text, read_text_file(path, "a table of labels"));
   if (text.find('\0') != std::string::npos)
     return file_error(path, "a table of labels is a text, this is not");
   return TableReader(path, warnings).read(text);

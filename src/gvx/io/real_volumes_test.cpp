@@ -9,17 +9,6 @@
 namespace gvx::io::test {
 namespace {
 
-/// The folder that GVX_TEST_DATA names, ending in a slash; empty where it is unset or absent.
-std::string data_folder() {
-  const char* folder = std::getenv("GVX_TEST_DATA");
-  return folder != nullptr && std::filesystem::is_directory(folder) ? std::string(folder) + "/"
-                                                                    : std::string();
-}
-
-#define GVX_NEED_TEST_DATA(folder)          \
-  const std::string folder = data_folder(); \
-  if (folder.empty()) GTEST_SKIP() << "set GVX_TEST_DATA to the folder with third-party test data"
-
 /// Least and greatest physical value, one slice in memory at a time.
 Result<std::pair<double, double>> physical_range(const std::string& path, const VolumeOptions& options = {}) {
   GVX_ASSIGN(const auto reader, open_volume(path, options));

@@ -10,12 +10,6 @@ namespace {
 
 constexpr std::uint64_t kMostBytes = 1 << 20;
 
-std::string data_folder() {
-  const char* folder = std::getenv("GVX_TEST_DATA");
-  return folder != nullptr && std::filesystem::is_directory(folder) ? std::string(folder) + "/"
-                                                                    : std::string();
-}
-
 /// Small files of each kind.
 std::vector<std::string> specimens() {
   const std::string path = temporary_path("specimen.tif");

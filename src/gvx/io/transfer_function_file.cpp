@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <vector>
 
+#include "gvx/core/text_file.h"
 #include "gvx/io/header_text.h"
 #include "gvx/io/srgb.h"
 
@@ -16,7 +16,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kLargestFile = 16u << 20;
 // Colours whose distance from black, or whose angle from the grey axis, is below this have no hue.
 constexpr double kGrey = 1e-3;
 
@@ -270,13 +269,7 @@ Status read_opacities(const std::string& path, const json& map, scene::TransferF
 }  // namespace
 
 Result<scene::TransferFunction> read_transfer_function(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return file_error(path, "cannot open");
-  std::string text(kLargestFile + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) return file_error(path, "cannot read");
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() > kLargestFile) return file_error(path, "larger than a transfer function can be (16 MiB)");
+  GVX_ASSIGN(const std::string text, read_text_file(path, "a transfer function"));
   json document = json::parse(text, nullptr, false, true);
   if (document.is_discarded()) return file_error(path, "not JSON");
   if (document.is_array() && !document.empty()) document = document.front();

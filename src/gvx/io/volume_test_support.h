@@ -105,6 +105,17 @@ std::string outcome(const Result<T>& result) {
   return result.ok() ? "ok" : result.error().message;
 }
 
+/// The folder that GVX_TEST_DATA names, ending in a slash; empty where it is unset or absent.
+inline std::string data_folder() {
+  const char* folder = std::getenv("GVX_TEST_DATA");
+  return folder != nullptr && std::filesystem::is_directory(folder) ? std::string(folder) + "/"
+                                                                    : std::string();
+}
+
+#define GVX_NEED_TEST_DATA(folder)          \
+  const std::string folder = data_folder(); \
+  if (folder.empty()) GTEST_SKIP() << "set GVX_TEST_DATA to the folder with third-party test data"
+
 /// Packs bytes as gzip (windowBits 15+16) or zlib (15).
 std::string deflated(std::string_view bytes, int window_bits);
 

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <set>
 
+#include "gvx/core/text_file.h"
 #include "gvx/scene/json_fields.h"
 
 namespace gvx::scene {
@@ -14,7 +12,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kLargestFile = 16u << 20;
 constexpr NumberRange kAny{};
 constexpr NumberRange kShare{0, 1};
 constexpr NumberRange kAboveZero{.least = 0, .open = true};
@@ -337,13 +334,7 @@ Result<SceneFile> parse_scene(const std::string& text, const std::string& name) 
 }
 
 Result<SceneFile> read_scene(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return Error{path + ": cannot open: " + std::strerror(errno)};
-  std::string text(kLargestFile + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) return Error{path + ": cannot read"};
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() > kLargestFile) return Error{path + ": larger than a scene file can be (16 MiB)"};
+  GVX_ASSIGN(const std::string text, read_text_file(path, "a scene file"));
   return parse_scene(text, path);
 }
 
