@@ -33,7 +33,8 @@ TEST(SlotTable, gives_away_what_was_not_used_and_then_the_oldest) {
 /// Against a list in order of use and a map, under random operations.
 TEST(SlotTable, agrees_with_a_list_and_a_map) {
   constexpr std::uint32_t kSlots = 61;
-  std::mt19937 random(5);
+  std::mt19937 generator(5);
+  const auto random = [&] { return static_cast<std::uint32_t>(generator()); };
   SlotTable<std::uint32_t> table(exec::Device::cpu(), kSlots);
   std::vector<std::uint32_t> order(kSlots);
   for (std::uint32_t i = 0; i < kSlots; ++i) order[i] = i;
@@ -42,7 +43,7 @@ TEST(SlotTable, agrees_with_a_list_and_a_map) {
   for (std::uint32_t pass = 1; pass < 400; ++pass) {
     std::vector<bool> used(kSlots);
     for (std::uint32_t i = random() % kSlots; i > 0; --i) {
-      const auto slot = static_cast<std::uint32_t>(random() % kSlots);
+      const auto slot = random() % kSlots;
       used[slot] = true;
       table.usage().touch(slot, pass);
     }

@@ -170,7 +170,7 @@ TEST(DicomSeries, TheSeriesWithMostSlicesIsReadAndOthersAreNamed) {
     ASSERT_TRUE(values.ok()) << outcome(values);
     EXPECT_EQ(values.value().front(), 1000);
   }
-  options.series = "9";
+  options.series = std::string("9");
   const auto wrong = describe(folder, options);
   EXPECT_EQ(outcome(wrong).find(folder + ": series: expected one of '3' (2 slices, 4 x 3), '7' (3 slices"),
             0u)
@@ -188,7 +188,7 @@ TEST(DicomSeries, OrientationsAndSizesAreSeriesOfTheirOwn) {
   ASSERT_EQ(d.value().series.size(), 2u);
   EXPECT_EQ(d.value().series[0].number, "7.1");
   VolumeOptions options;
-  options.series = "7.2";
+  options.series = std::string("7.2");
   EXPECT_EQ(describe(folder, options).value().dimensions.z, 1);
 
   const std::string sizes = new_folder("sizes");

@@ -80,7 +80,10 @@ class DicomWriter {
   static std::string file(const std::string& transfer_syntax, const std::string& data_set) {
     DicomWriter meta;
     meta.text(0x00020010, "UI", transfer_syntax);
-    return std::string(128, '\0') + "DICM" + meta.bytes() + data_set;
+    std::string all(128, '\0');
+    all += "DICM";
+    all += meta.bytes();
+    return all += data_set;
   }
 
  private:
@@ -110,7 +113,8 @@ inline std::string decimals(const std::vector<double>& numbers) {
   for (const double number : numbers) {
     char one[32];
     std::snprintf(one, sizeof one, "%.10g", number);
-    text += (text.empty() ? "" : "\\") + std::string(one);
+    if (!text.empty()) text += '\\';
+    text += one;
   }
   return text;
 }

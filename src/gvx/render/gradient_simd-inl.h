@@ -68,8 +68,10 @@ struct PairWeights {
   static constexpr std::int32_t kOne = 1 << 14;
   Int of_value[2], of_slope[2];
 
-  HWY_INLINE explicit PairWeights(const SplineWeights& x)
-      : PairWeights(x, in_parts(x.of_value, kOne), in_parts(x.of_slope, 0)) {}
+  HWY_INLINE explicit PairWeights(const SplineWeights& x) {
+    put(x.of_value, kOne, of_value);
+    put(x.of_slope, 0, of_slope);
+  }
 
   /// Of a row's numbers, less 2^15 each; times kOne.
   HWY_INLINE RowSums sums_of(const Int (&numbers)[2]) const {
@@ -81,19 +83,16 @@ struct PairWeights {
   }
 
  private:
-  struct Parts {
-    Int two[2];
-  };
-  HWY_INLINE PairWeights(const SplineWeights&, const Parts& value, const Parts& slope)
-      : of_value{value.two[0], value.two[1]}, of_slope{slope.two[0], slope.two[1]} {}
-  HWY_INLINE static Parts in_parts(const Float (&weights)[4], std::int32_t sum) {
+  /// What the third weighs is what is left of their sum.
+  HWY_INLINE static void put(const Float (&weights)[4], std::int32_t sum, Int (&pairs)[2]) {
     const auto whole_part = [](Float weight) HWY_ATTR { return hn::NearestInt(hn::Mul(weight, all(kOne))); };
     const Int first = whole_part(weights[0]), second = whole_part(weights[1]), last = whole_part(weights[3]);
     const Int third = hn::Sub(all_ints(sum), hn::Add(hn::Add(first, second), last));
     const auto pair = [](Int low, Int high) HWY_ATTR {
       return hn::Or(hn::And(low, all_ints(0xffff)), hn::ShiftLeft<16>(high));
     };
-    return {{pair(first, second), pair(third, last)}};
+    pairs[0] = pair(first, second);
+    pairs[1] = pair(third, last);
   }
 };
 
