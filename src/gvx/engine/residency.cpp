@@ -42,8 +42,8 @@ Residency::Residency(const exec::Device& device, const produce::Producer& produc
       nodes_(device, producer.description().n, sizes.tiles, producer.description().format.channels()),
       bricks_(device, producer.description().brick_bytes(), sizes.bricks),
       marks_(device, nodes_.nodes()),
-      tiles_(device, sizes.tiles, 1),
-      slots_(device, sizes.bricks) {}
+      tile_slots_(device, sizes.tiles, 1),
+      brick_slots_(device, sizes.bricks) {}
 
 Status Residency::plant_root() {
   const NodeKey root;
@@ -88,27 +88,27 @@ NodeKey Residency::key_of(NodeIndex node) const {
   if (tile.value == 0) return NodeKey{};
   const int index = static_cast<int>(node.value - nodes_.node_of(tile, 0).value);
   return producer_.canonical(
-      child(tiles_.key(tile.value), static_cast<int>(producer_.description().n), index));
+      child(tile_slots_.key(tile.value), static_cast<int>(producer_.description().n), index));
 }
 
 void Residency::link(NodeIndex node, const Job& job) {
   if (job.kind == JobKind::brick) {
-    if (const auto slot = slots_.find(job.key)) {
+    if (const auto slot = brick_slots_.find(job.key)) {
       nodes_.set_content(node, tree::ContentWord::of_brick(BrickIndex(*slot)));
     }
-  } else if (const auto tile = tiles_.find(job.key)) {
+  } else if (const auto tile = tile_slots_.find(job.key)) {
     nodes_.set_children(node, TileIndex(*tile));
   }
 }
 
 bool Residency::is_gone(NodeIndex node) const {
   const TileIndex tile = nodes_.tile_of(node);
-  return tile.value != 0 && !tiles_.occupied(tile.value);
+  return tile.value != 0 && !tile_slots_.occupied(tile.value);
 }
 
 std::vector<Job> Residency::collect(std::uint32_t pass) {
-  tiles_.order_by_use(pass);
-  slots_.order_by_use(pass);
+  tile_slots_.order_by_use(pass);
+  brick_slots_.order_by_use(pass);
   askers_.clear();
   struct Urgent {
     Job job;
@@ -123,7 +123,7 @@ std::vector<Job> Residency::collect(std::uint32_t pass) {
                                     std::pair(cache::kNeedsChildren, JobKind::children)}) {
       if ((request.kinds & bit) == 0) continue;
       const Job job{key, kind};
-      const bool resident = kind == JobKind::brick ? slots_.contains(key) : tiles_.contains(key);
+      const bool resident = kind == JobKind::brick ? brick_slots_.contains(key) : tile_slots_.contains(key);
       if (resident) {
         link(request.node, job);
         continue;
@@ -144,7 +144,7 @@ std::vector<Job> Residency::collect(std::uint32_t pass) {
 }
 
 bool Residency::limit_to_room(std::vector<Job>& jobs, Eviction eviction) const {
-  std::size_t tiles = tiles_.room(eviction), bricks = slots_.room(eviction);
+  std::size_t tiles = tile_slots_.room(eviction), bricks = brick_slots_.room(eviction);
   const auto kept = std::remove_if(jobs.begin(), jobs.end(), [&](const Job& job) {
     std::size_t& room = job.kind == JobKind::brick ? bricks : tiles;
     if (room == 0) return true;
@@ -157,7 +157,7 @@ bool Residency::limit_to_room(std::vector<Job>& jobs, Eviction eviction) const {
 }
 
 void Residency::fill_tile(TileIndex tile, const Produced& made) {
-  tiles_.put(tile.value, made.job.key);
+  tile_slots_.put(tile.value, made.job.key);
   for (std::uint32_t i = 0; i < nodes_.nodes_per_tile(); ++i) {
     const NodeIndex node = nodes_.node_of(tile, i);
     const tree::NodeInfo& info = made.children[i];
@@ -192,13 +192,13 @@ Result<CommitCounts> Residency::commit(std::vector<Produced> made, Eviction evic
       continue;
     }
     if (p.job.kind == JobKind::children) {
-      if (!tiles_.contains(p.job.key)) tiles.push_back(&p);
-    } else if (!p.constant && !slots_.contains(p.job.key)) {
+      if (!tile_slots_.contains(p.job.key)) tiles.push_back(&p);
+    } else if (!p.constant && !brick_slots_.contains(p.job.key)) {
       bricks.push_back(&p);
     }
   }
-  const cache::TakenSlots for_tiles = tiles_.take(tiles.size(), eviction);
-  const cache::TakenSlots for_bricks = slots_.take(bricks.size(), eviction);
+  const cache::TakenSlots for_tiles = tile_slots_.take(tiles.size(), eviction);
+  const cache::TakenSlots for_bricks = brick_slots_.take(bricks.size(), eviction);
   counts.bricks_evicted = for_bricks.recycled.size();
   nodes_.clear_pointers(for_tiles.recycled, for_bricks.recycled, bricks_.slots());
   counts.turned_away = tiles.size() - for_tiles.slots.size() + bricks.size() - for_bricks.slots.size();
@@ -207,7 +207,7 @@ Result<CommitCounts> Residency::commit(std::vector<Produced> made, Eviction evic
   for (std::size_t i = 0; i < for_bricks.slots.size(); ++i) {
     const std::uint32_t slot = for_bricks.slots[i];
     bricks_.write(BrickIndex(slot), bricks[i]->voxels);
-    slots_.put(slot, bricks[i]->job.key);
+    brick_slots_.put(slot, bricks[i]->job.key);
   }
   for (std::size_t i = 0; i < for_tiles.slots.size(); ++i)
     fill_tile(TileIndex(for_tiles.slots[i]), *tiles[i]);
@@ -237,8 +237,8 @@ Result<CommitCounts> Residency::commit(std::vector<Produced> made, Eviction evic
 }
 
 void Residency::check_invariants() const {
-  tiles_.check_invariants();
-  slots_.check_invariants();
+  tile_slots_.check_invariants();
+  brick_slots_.check_invariants();
   for (std::uint32_t i = 0; i < nodes_.nodes(); ++i) {
     const NodeIndex node(i);
     if (nodes_.tile_of(node).value == 0 ? i != 0 : is_gone(node)) continue;
@@ -247,10 +247,10 @@ void Residency::check_invariants() const {
     const NodeKey key = key_of(node);
     if (child_word.has_children()) {
       GVX_CHECK(!child_word.terminal());
-      GVX_CHECK(tiles_.find(key) == child_word.children().value);
+      GVX_CHECK(tile_slots_.find(key) == child_word.children().value);
     }
     if (content.kind() == tree::ContentKind::brick) {
-      GVX_CHECK(slots_.find(key) == content.brick().value);
+      GVX_CHECK(brick_slots_.find(key) == content.brick().value);
     }
     if (content.kind() == tree::ContentKind::constant) GVX_CHECK(nodes_.ranges(node).constant());
     GVX_CHECK(child_word.transparent() == is_transparent(nodes_.ranges(node)));

@@ -69,9 +69,9 @@ class Residency {
 
   const tree::NodePool& nodes() const { return nodes_; }
   const brick::BrickPool& bricks() const { return bricks_; }
-  cache::UsageView tile_usage() { return tiles_.usage(); }
+  cache::UsageView tile_usage() { return tile_slots_.usage(); }
   brick::CellMaskView cell_masks() { return bricks_.cell_masks().view(); }
-  cache::UsageView brick_usage() { return slots_.usage(); }
+  cache::UsageView brick_usage() { return brick_slots_.usage(); }
   cache::RequestView requests() { return marks_.view(); }
 
   /// After a pass: orders both caches by use, and returns what its rays lack, the most urgent first, each
@@ -86,8 +86,8 @@ class Residency {
 
   /// Requested nodes in the last collect().
   std::uint64_t requested() const { return requested_; }
-  std::uint64_t resident_bricks() const { return slots_.size(); }
-  std::uint64_t resident_nodes() const { return tiles_.size() * nodes_.nodes_per_tile() + 1; }
+  std::uint64_t resident_bricks() const { return brick_slots_.size(); }
+  std::uint64_t resident_nodes() const { return tile_slots_.size() * nodes_.nodes_per_tile() + 1; }
 
   /// Checks every pointer, map and list against each other; aborts where they disagree. For tests.
   void check_invariants() const;
@@ -106,8 +106,8 @@ class Residency {
   brick::BrickPool bricks_;
   cache::RequestMarks marks_;
   std::optional<scene::Visibility> visibility_;
-  cache::SlotTable<NodeKey, NodeKeyHash> tiles_;  // of nodes_, by the canonical parent
-  cache::SlotTable<NodeKey, NodeKeyHash> slots_;  // of bricks_, by the canonical node
+  cache::SlotTable<NodeKey, NodeKeyHash> tile_slots_;   // of nodes_, by the canonical parent
+  cache::SlotTable<NodeKey, NodeKeyHash> brick_slots_;  // of bricks_, by the canonical node
   // Who asked for a job in the last collect; with shared sub-trees there may be many.
   std::unordered_map<produce::Job, std::vector<NodeIndex>, produce::JobHash> askers_;
   std::uint64_t requested_ = 0;
