@@ -231,8 +231,7 @@ Result<Scene> open_part(const Devices& devices, const std::string& name,
         reader->info().format.content == VoxelContent::scalar) {
       warn(name +
            ": was built by an older gvx: surfaces are a little less smooth at the faces of bricks than those "
-           "of a "
-           "store that is built anew");
+           "of a store that is built anew");
     }
   } else {
     GVX_ASSIGN(reader, build_nameless_store(devices, name, volume_options, parts, before_build));

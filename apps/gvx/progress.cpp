@@ -110,14 +110,13 @@ void Progress::show(std::uint64_t done, std::uint64_t all) {
   const Rate::Clock::time_point now = Rate::Clock::now();
   if (quiet_ || all == 0) return;
   if (now - shown_ < kBarInterval) return;
+  rate_.count(now, done);
   if (!terminal_) {
-    rate_.count(now, done);
     if (now - shown_ < kLineInterval) return;
     shown_ = now;
     std::fprintf(stderr, "gvx: %s: %s\n", one_line(what_).c_str(), text(done, all).c_str());
     return;
   }
-  rate_.count(now, done);
   if (now - start_ < kBarStarts) return;
   shown_ = now;
   constexpr std::size_t kWidth = 30;

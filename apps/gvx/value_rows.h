@@ -2,7 +2,7 @@
 /// The values of a volume as `gvx info` shows them: rows of text, and JSON.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <utility>
 #include <vector>

@@ -222,7 +222,7 @@ Result<CommitCounts> Residency::commit(std::vector<Produced> made, Eviction evic
       if (!std::exchange(compared, true)) {
         if (auto broken = broken_bounds(node, p)) {
           ++counts.broken_bounds;
-          if (!counts.first_broken) counts.first_broken = std::move(broken);
+          if (!counts.first_broken) counts.first_broken = broken;
         }
       }
       if (p.constant) {

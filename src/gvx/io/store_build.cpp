@@ -379,7 +379,7 @@ Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reade
       GVX_TRY(pyramid.push_slices(slices, samples));
     } else {
       if (options.labels) GVX_TRY(check_labels(d, survey(cpu, d.type, samples), info.format.type));
-      account.add(convert(cpu, d.type, *conversion, d.scale < 0 && !options.labels, samples, voxels));
+      account.add(convert(cpu, d.type, *conversion, d.scale < 0, samples, voxels));
       GVX_TRY(pyramid.push_slices(slices, voxels));
     }
     report_progress(samples.size());
