@@ -195,7 +195,7 @@ void expect_previews_alike(const TestScene& scene, const std::string& what) {
   engine::Residency residency(cpu, *producer, {200, 60});
   ASSERT_TRUE(residency.plant_root().ok());
   ASSERT_TRUE(residency.plant_root_brick().ok());
-  const render::Frame frame = render::Frame::make(cpu, scene.view, engine::placement_of(tree)).value();
+  const render::Frame frame = render::Frame::make(cpu, scene.view, tree).value();
   residency.set_visibility(frame.view().visibility, true);
   const std::uint32_t width = scene.view.width, height = scene.view.height;
   exec::Buffer<render::RayState> rays(cpu, width * height);

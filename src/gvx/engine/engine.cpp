@@ -63,22 +63,6 @@ Status check(const produce::TreeDescription& tree) {
 
 }  // namespace
 
-render::TreePlacement placement_of(const produce::TreeDescription& tree) {
-  ChannelRanges ranges = tree.ranges;
-  for (ValueRange& range : ranges.channel) {
-    range = {range.minimum - tree.beyond_ranges, range.maximum + tree.beyond_ranges};
-  }
-  return {static_cast<int>(tree.n),
-          static_cast<int>(tree.m),
-          static_cast<int>(tree.max_level),
-          tree.format,
-          tree.tree_to_world,
-          tree.extent,
-          tree.scale,
-          tree.offset,
-          ranges};
-}
-
 Result<std::unique_ptr<Engine>> Engine::create(const exec::Device& device,
                                                std::shared_ptr<const produce::Producer> producer,
                                                const EngineOptions& options) {
@@ -113,11 +97,11 @@ Engine::Engine(const exec::Device& device, std::shared_ptr<const produce::Produc
 
 Status Engine::look(const render::View& asked) {
   render::View view = asked;
-  view.subrays = render::subrays_of(asked, placement_of(producer_->description()));
+  view.subrays = render::subrays_of(asked, producer_->description());
   view.antialias *= view.subrays;
   if (view_ && *view_ == view) return {};
-  GVX_ASSIGN(auto frame, render::Frame::make(device_, view, placement_of(producer_->description()),
-                                             frame_ ? &*frame_ : nullptr));
+  GVX_ASSIGN(auto frame,
+             render::Frame::make(device_, view, producer_->description(), frame_ ? &*frame_ : nullptr));
   const bool sees_otherwise = !view_ || !(view_->functions == view.functions) || view_->mode != view.mode ||
                               view_->isovalue != view.isovalue ||
                               view_->classification != view.classification || view_->noise != view.noise;
@@ -174,8 +158,7 @@ Status Engine::look_coarsely() {
   if (judged_ || !(bias > 0)) return {};
   render::View coarse = *view_;
   coarse.detail = std::max(coarse.detail * std::exp2(-bias), render::View::kLeastDetail);
-  GVX_ASSIGN(auto frame,
-             render::Frame::make(device_, coarse, placement_of(producer_->description()), &*frame_));
+  GVX_ASSIGN(auto frame, render::Frame::make(device_, coarse, producer_->description(), &*frame_));
   moving_frame_ = std::move(frame);
   moving_bias_ = bias;
   return {};
@@ -523,7 +506,7 @@ void Engine::prefetch(exec::Deadline deadline) {
   view.height = (view.height * view.antialias + sparse - 1) / sparse;
   view.antialias = 1;
   view.detail *= sparse;
-  const auto frame = render::Frame::make(device_, view, placement_of(producer_->description()), &*frame_);
+  const auto frame = render::Frame::make(device_, view, producer_->description(), &*frame_);
   if (!frame.ok()) {  // there the camera will not be
     camera_before_.reset();
     return;

@@ -49,9 +49,6 @@ struct EngineOptions {
   std::function<void(const std::string&)> warn = {};
 };
 
-/// The tree's shape, its place in the world and its values' ranges, for frames.
-render::TreePlacement placement_of(const produce::TreeDescription& tree);
-
 /// Called with the number of the picture's rays that are finished, and of all its rays.
 using RayProgress = std::function<void(std::uint64_t finished, std::uint64_t all)>;
 
