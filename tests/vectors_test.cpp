@@ -196,7 +196,9 @@ void expect_previews_alike(const TestScene& scene, const std::string& what) {
   ASSERT_TRUE(residency.plant_root().ok());
   ASSERT_TRUE(residency.plant_root_brick().ok());
   const render::Frame frame = render::Frame::make(cpu, scene.view, tree).value();
-  residency.set_visibility(frame.view().visibility, true);
+  engine::Look look(cpu, 200, 60);
+  residency.attach(look);
+  residency.set_visibility(look, frame.view().visibility);
   const std::uint32_t width = scene.view.width, height = scene.view.height;
   exec::Buffer<render::RayState> rays(cpu, width * height);
   exec::Buffer<render::PreviewPixel> plain(cpu, width * height), vectors(cpu, width * height);
@@ -216,7 +218,8 @@ void expect_previews_alike(const TestScene& scene, const std::string& what) {
     pass.tile_usage = residency.tile_usage();
     pass.brick_usage = residency.brick_usage();
     pass.requests = residency.requests();
-    pass.cells = residency.cell_masks();
+    pass.hidden = look.hidden();
+    pass.cells = look.cells();
     pass.number = number;
     pass.epoch = 1;
     std::vector<produce::Job> jobs[2];

@@ -17,6 +17,7 @@
 
 #include "gvx/core/result.h"
 #include "gvx/core/time_sum.h"
+#include "gvx/engine/look.h"
 #include "gvx/engine/preview_pace.h"
 #include "gvx/engine/residency.h"
 #include "gvx/engine/statistics.h"
@@ -131,6 +132,7 @@ class Engine {
   bool adapts_levels_ = true;
   std::shared_ptr<const produce::Producer> producer_;
   Residency residency_;
+  Look look_;
   produce::ProductionQueue queue_;
   std::shared_ptr<const produce::Proxy> proxy_;
   std::function<void(const std::string&)> warn_;

@@ -80,6 +80,11 @@ TEST_P(RandomWalk, keeps_every_invariant) {
   const int n = static_cast<int>(producer->description().n);
   Residency residency(exec::Device::cpu(2), *producer, GetParam().sizes);
   ASSERT_TRUE(residency.plant_root().ok());
+  // Two viewers; one comes late.
+  const PoolSizes sizes = GetParam().sizes;
+  Look first(exec::Device::cpu(2), sizes.tiles, sizes.bricks);
+  Look second(exec::Device::cpu(2), sizes.tiles, sizes.bricks);
+  residency.attach(first);
   std::mt19937 generator(21);
   const auto random = [&](std::uint32_t below) { return static_cast<std::uint32_t>(generator()) % below; };
 
@@ -95,7 +100,9 @@ TEST_P(RandomWalk, keeps_every_invariant) {
   std::vector<Produced> late;  // made, but committed in a later pass
   std::uint64_t committed = 0, linked = 0;
   for (std::uint32_t pass = 1; pass <= 400; ++pass) {
-    if (random(25) == 0) residency.set_visibility(seen_by(random(3)), true);
+    if (pass == 50) residency.attach(second);
+    if (random(25) == 0) residency.set_visibility(first, seen_by(random(3)));
+    if (pass >= 50 && random(25) == 0) residency.set_visibility(second, seen_by(random(3)));
     // Rays: walks from the root that stamp what they use and mark what they lack.
     for (int ray = 0; ray < 12; ++ray) {
       NodeIndex node = tree::NodePool::root();
