@@ -227,7 +227,7 @@ void expect_previews_alike(const TestScene& scene, const std::string& what) {
       pass.one_ray_at_a_time = one_ray;
       EXPECT_TRUE(render::march_preview(cpu, pass, grid, tiles.view(), exec::no_deadline(), block, number,
                                         rays.view(), (one_ray ? plain : vectors).view()));
-      jobs[one_ray ? 0 : 1] = residency.collect(number);
+      jobs[one_ray ? 0 : 1] = residency.collect(number, number);
     }
     for (std::uint32_t y = 0; y < height; y += block) {
       for (std::uint32_t x = 0; x < width; x += block) {

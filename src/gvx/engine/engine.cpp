@@ -286,7 +286,7 @@ void Engine::report(const RayProgress& progress) {
 /// time; where even one tile of them does, what is in use may be pushed out: they have passed it.
 std::vector<produce::Job> Engine::collect() {
   const TimeSum::Span committing(committing_);
-  const std::vector<produce::Job> lacking = residency_.collect(stamp_);
+  const std::vector<produce::Job> lacking = residency_.collect(stamp_, stamp_);
   statistics_.requests += residency_.requested();
   std::vector<produce::Job> jobs = lacking;
   eviction_ = Eviction::unused;
@@ -547,7 +547,7 @@ void Engine::prefetch(exec::Deadline deadline) {
   std::vector<produce::Job> jobs;
   {
     const TimeSum::Span committing(committing_);
-    jobs = residency_.collect(stamp_);
+    jobs = residency_.collect(stamp_, stamp_);
   }
   if (jobs.empty() && drawn) camera_before_.reset();
   if (jobs.empty()) return;

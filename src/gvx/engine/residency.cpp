@@ -108,9 +108,9 @@ bool Residency::is_gone(NodeIndex node) const {
   return tile.value != 0 && !tile_slots_.occupied(tile.value);
 }
 
-std::vector<Job> Residency::collect(std::uint32_t pass) {
-  tile_slots_.order_by_use(pass);
-  brick_slots_.order_by_use(pass);
+std::vector<Job> Residency::collect(std::uint32_t pass, std::uint32_t in_use_since) {
+  tile_slots_.order_by_use(pass, in_use_since);
+  brick_slots_.order_by_use(pass, in_use_since);
   askers_.clear();
   struct Urgent {
     Job job;

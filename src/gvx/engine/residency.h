@@ -78,7 +78,8 @@ class Residency {
 
   /// After a pass: orders both caches by use, and returns what its rays lack, the most urgent first, each
   /// once. What is resident under another name is linked at once.
-  std::vector<produce::Job> collect(std::uint32_t pass);
+  /// What pass `in_use_since` and later ones have touched is in use.
+  std::vector<produce::Job> collect(std::uint32_t pass, std::uint32_t in_use_since);
 
   /// Drops jobs, from the back, that commit() would have no room for; returns whether there were any.
   bool limit_to_room(std::vector<produce::Job>& jobs, Eviction eviction) const;

@@ -124,7 +124,7 @@ TEST_P(RandomWalk, keeps_every_invariant) {
         node = residency.nodes().node_of(word.children(), random(static_cast<std::uint32_t>(n * n * n)));
       }
     }
-    std::vector<Job> jobs = residency.collect(pass);
+    std::vector<Job> jobs = residency.collect(pass, pass - std::min(pass, random(3)));
     residency.check_invariants();
     std::map<std::array<std::uint64_t, 5>, int> seen;
     for (const Job& job : jobs) {
@@ -152,7 +152,7 @@ TEST(Residency, sponge_needs_one_tile_and_one_brick_for_any_depth) {
   ASSERT_TRUE(residency.plant_root().ok());
   residency.requests().request(tree::NodePool::root(), cache::kNeedsBrick | cache::kNeedsChildren, 1);
   std::vector<Produced> made;
-  for (const Job& job : residency.collect(1)) made.push_back(make(sponge, job));
+  for (const Job& job : residency.collect(1, 1)) made.push_back(make(sponge, job));
   ASSERT_EQ(made.size(), 2u);
   ASSERT_TRUE(residency.commit(std::move(made), Eviction::unused).ok());
   NodeIndex node = tree::NodePool::root();
@@ -170,7 +170,7 @@ TEST(Residency, an_error_of_a_producer_is_returned_and_the_rest_committed) {
   ASSERT_TRUE(residency.plant_root().ok());
   residency.requests().request(tree::NodePool::root(), cache::kNeedsBrick | cache::kNeedsChildren, 1);
   std::vector<Produced> made;
-  for (const Job& job : residency.collect(1)) made.push_back(make(*producer, job));
+  for (const Job& job : residency.collect(1, 1)) made.push_back(make(*producer, job));
   ASSERT_EQ(made.size(), 2u);
   (made[0].job.kind == JobKind::brick ? made[0] : made[1]).status = Error{"brick is gone"};
   const auto counts = residency.commit(std::move(made), Eviction::unused);
