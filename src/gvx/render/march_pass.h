@@ -14,8 +14,8 @@
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
 #include "gvx/exec/tile_grid.h"
-#include "gvx/render/frame.h"
-#include "gvx/render/ray_state.h"
+#include "gvx/render/frame/frame.h"
+#include "gvx/render/frame/ray_state.h"
 #include "gvx/tree/node_pool.h"
 
 namespace gvx::render {
