@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "gvx/exec/parallel.h"
-#include "gvx/render/instruction_set.h"
+#include "gvx/render/vectors/instruction_set.h"
 
 namespace gvx::engine {
 namespace {

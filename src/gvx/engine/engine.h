@@ -25,8 +25,8 @@
 #include "gvx/produce/producer.h"
 #include "gvx/produce/production_queue.h"
 #include "gvx/produce/proxy.h"
-#include "gvx/render/film.h"
-#include "gvx/render/frame.h"
+#include "gvx/render/frame/film.h"
+#include "gvx/render/frame/frame.h"
 #include "gvx/render/march_pass.h"
 
 namespace gvx::engine {
