@@ -12,7 +12,7 @@
 #include <hwy/targets.h>
 
 #include "gvx/engine/residency.h"
-#include "gvx/render/instruction_set.h"
+#include "gvx/render/vectors/instruction_set.h"
 #include "gvx/scene/label_table.h"
 #include "test_scenes.h"
 

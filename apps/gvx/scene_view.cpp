@@ -7,7 +7,7 @@
 
 #include "built_in_scenes.h"
 #include "gvx/engine/engine.h"
-#include "gvx/render/frame.h"
+#include "gvx/render/frame/frame.h"
 #include "gvx/scene/camera_path.h"
 #include "gvx/scene/framing.h"
 #include "scene_functions.h"

@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "gvx/render/instruction_set.h"
+#include "gvx/render/vectors/instruction_set.h"
 #include "gvx/render/march_pass.h"
 
 namespace gvx::engine {

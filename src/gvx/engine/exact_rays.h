@@ -11,7 +11,7 @@
 
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
-#include "gvx/render/film.h"
+#include "gvx/render/frame/film.h"
 #include "gvx/render/march_pass.h"
 
 namespace gvx::engine {

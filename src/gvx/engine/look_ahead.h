@@ -7,8 +7,8 @@
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
 #include "gvx/exec/tile_grid.h"
-#include "gvx/render/film.h"
-#include "gvx/render/view.h"
+#include "gvx/render/frame/film.h"
+#include "gvx/render/frame/view.h"
 
 namespace gvx::engine {
 

@@ -20,8 +20,8 @@
 #include "gvx/engine/preview_rays.h"
 #include "gvx/engine/statistics.h"
 #include "gvx/produce/proxy.h"
-#include "gvx/render/film.h"
-#include "gvx/render/frame.h"
+#include "gvx/render/frame/film.h"
+#include "gvx/render/frame/frame.h"
 #include "gvx/render/march_pass.h"
 
 namespace gvx::engine {
