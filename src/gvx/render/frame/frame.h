@@ -28,8 +28,8 @@
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
 <<<<<<< HEAD:src/gvx/render/frame.h
-#include "gvx/render/level_view.h"
-#include "gvx/render/view.h"
+#include "gvx/render/frame/level_view.h"
+#include "gvx/render/frame/view.h"
 #include "gvx/tree/tree_description.h"
 =======
 #include "gvx/render/frame/level_view.h"

@@ -11,7 +11,6 @@
 #include "gvx/render/frame/frame.h"
 #include "gvx/tree/hidden_nodes.h"
 #include "gvx/tree/node_pool.h"
-#include "gvx/tree/node_pool.h"
 
 namespace gvx::render {
 
