@@ -14,14 +14,9 @@
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
 #include "gvx/exec/tile_grid.h"
-<<<<<<< HEAD
-#include "gvx/render/frame.h"
-#include "gvx/render/ray_state.h"
-#include "gvx/tree/hidden_nodes.h"
-=======
 #include "gvx/render/frame/frame.h"
 #include "gvx/render/frame/ray_state.h"
->>>>>>> 768e560
+#include "gvx/tree/hidden_nodes.h"
 #include "gvx/tree/node_pool.h"
 
 namespace gvx::render {

@@ -27,14 +27,9 @@
 #include "gvx/core/result.h"
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
-<<<<<<< HEAD:src/gvx/render/frame.h
 #include "gvx/render/frame/level_view.h"
 #include "gvx/render/frame/view.h"
 #include "gvx/tree/tree_description.h"
-=======
-#include "gvx/render/frame/level_view.h"
-#include "gvx/render/frame/view.h"
->>>>>>> 768e560:src/gvx/render/frame/frame.h
 
 namespace gvx::render {
 
