@@ -69,7 +69,8 @@ TEST(Viewers, with_other_functions_and_cameras_see_what_they_see_alone) {
   render::View skin = scene.view, dense = scene.view;
   dense.functions[0].opacities = {{0.8, 0}, {0.9, 0.9}};
   dense.camera.eye = dense.camera.target + 0.4 * (dense.camera.eye - dense.camera.target);
-  for (const auto& pools : {std::optional<PoolSizes>{}, std::optional(PoolSizes{60, 24})}) {
+  for (const auto& pools :
+       {std::optional<PoolSizes>{}, std::optional(PoolSizes{60, 24}), std::optional(PoolSizes{12, 4})}) {
     const Shared shared(scene, pools);
     Viewer first(shared.cache, shared.volume), second(shared.cache, shared.volume);
     ASSERT_TRUE(first.look(skin).ok());

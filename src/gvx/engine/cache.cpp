@@ -41,16 +41,18 @@ Cache::Cache(const exec::Device& device, const CacheOptions& options)
     : device_(device),
       options_(options),
       production_(std::make_shared<produce::Production>(
-          device.kind() == exec::DeviceKind::cpu ? device.threads() : kCudaProducers)) {}
+          device.kind() == exec::DeviceKind::cpu ? device.threads() : kCudaProducers)),
+      budget_(options.pools ? UINT64_MAX : options.memory_bytes) {}
 
 Cache::~Cache() = default;
 
 Result<std::shared_ptr<Volume>> Cache::open(std::shared_ptr<const produce::Producer> producer) {
   if (producer == nullptr) return Error{"volume: no producer"};
   const exec::FairMutex::Turn turn = take_turn();
-  for (const auto& known : volumes_) {
-    if (auto volume = known.lock(); volume && volume->producer() == producer) return volume;
+  for (const auto& volume : volumes_) {
+    if (volume->producer() == producer) return volume;
   }
+  forget_closed();
   const tree::TreeDescription& tree = producer->description();
   GVX_TRY(check(tree));
   GVX_TRY(render::check_kernels(device_, tree.format.type, tree.n, tree.m));
@@ -58,14 +60,22 @@ Result<std::shared_ptr<Volume>> Cache::open(std::shared_ptr<const produce::Produ
   const produce::TreeId id = production_->add(producer);
   auto volume = std::make_shared<Volume>(device_, std::move(producer), production_, id, sizes);
   GVX_TRY(volume->residency().plant_root());
-  std::erase_if(volumes_, [](const auto& known) { return known.expired(); });
   volumes_.push_back(volume);
+  budget_.add(volume.get());
   return volume;
 }
 
+void Cache::forget_closed() {
+  std::erase_if(volumes_, [&](const auto& volume) {
+    if (volume.use_count() > 1) return false;
+    budget_.remove(volume.get());
+    return true;
+  });
+}
+
 Volume* Cache::volume_of(produce::TreeId tree) const {
-  for (const auto& known : volumes_) {
-    if (const auto volume = known.lock(); volume && volume->id() == tree) return volume.get();
+  for (const auto& volume : volumes_) {
+    if (volume->id() == tree) return volume.get();
   }
   return nullptr;
 }
@@ -84,6 +94,7 @@ void Cache::remove_client(Client* client) {
   clock_.remove(client->walker);
   production_->remove_client(client->producing);
   std::erase_if(clients_, [&](const auto& other) { return other.get() == client; });
+  forget_closed();
 }
 
 void Cache::wait_until(const Client& client, std::chrono::steady_clock::time_point deadline) {
@@ -106,15 +117,16 @@ std::vector<produce::ElementKey> Cache::collect(const Client& client, std::span<
   return elements;
 }
 
-bool Cache::limit_to_room(std::vector<produce::ElementKey>& elements, Eviction eviction) const {
-  std::map<produce::TreeId, Room> rooms;
-  const auto kept = std::remove_if(elements.begin(), elements.end(), [&](const produce::ElementKey& element) {
-    auto room = rooms.find(element.tree);
-    if (room == rooms.end()) {
-      room = rooms.emplace(element.tree, volume_of(element.tree)->residency().room(eviction)).first;
-    }
-    return !room->second.take(element.kind);
-  });
+bool Cache::limit_to_room(std::vector<produce::ElementKey>& elements, Eviction eviction) {
+  std::map<std::uint32_t, Room> rooms;
+  for (const produce::ElementKey& element : elements) {
+    rooms[element.tree.value].bricks += element.kind == produce::ElementKind::brick ? 1 : 0;
+  }
+  for (auto& [tree, room] : rooms) budget_.make_room(*volume_of(produce::TreeId(tree)), room.bricks, eviction);
+  for (auto& [tree, room] : rooms) room = volume_of(produce::TreeId(tree))->residency().room(eviction);
+  const auto kept = std::remove_if(
+      elements.begin(), elements.end(),
+      [&](const produce::ElementKey& element) { return !rooms[element.tree.value].take(element.kind); });
   const bool dropped = kept != elements.end();
   elements.erase(kept, elements.end());
   return dropped;
@@ -130,13 +142,13 @@ void Cache::want(Client& client, produce::Tier tier, const std::vector<produce::
 }
 
 void Cache::commit(Client& client) {
-  std::vector<produce::Element> made = std::exchange(others_, {});
-  std::vector<produce::Element> finished = production_->take_finished();
+  std::vector<produce::FinishedElement> made = std::exchange(others_, {});
+  std::vector<produce::FinishedElement> finished = production_->take_finished();
   std::move(finished.begin(), finished.end(), std::back_inserter(made));
-  const auto others = std::stable_partition(made.begin(), made.end(), [&](const produce::Element& element) {
+  const auto others = std::stable_partition(made.begin(), made.end(), [&](const produce::FinishedElement& element) {
     return client.visible.contains(element.key);
   });
-  std::vector<produce::Element> of_others(std::make_move_iterator(others), std::make_move_iterator(made.end()));
+  std::vector<produce::FinishedElement> of_others(std::make_move_iterator(others), std::make_move_iterator(made.end()));
   made.erase(others, made.end());
   client.bricks_evicted += take_in(std::move(made), client.eviction);
   if (client.eviction == Eviction::any) {
@@ -146,15 +158,15 @@ void Cache::commit(Client& client) {
   }
 }
 
-std::uint64_t Cache::take_in(std::vector<produce::Element> made, Eviction eviction) {
-  std::map<produce::TreeId, std::vector<produce::Element>> by_tree;
-  for (produce::Element& element : made) {
+std::uint64_t Cache::take_in(std::vector<produce::FinishedElement> made, Eviction eviction) {
+  std::map<std::uint32_t, std::vector<produce::FinishedElement>> by_tree;
+  for (produce::FinishedElement& element : made) {
     tell(element);
-    if (element.status.ok()) by_tree[element.key.tree].push_back(std::move(element));
+    if (element.element.ok()) by_tree[element.key.tree.value].push_back(std::move(element));
   }
   std::uint64_t evicted = 0;
   for (auto& [tree, elements] : by_tree) {
-    Volume* volume = volume_of(tree);
+    Volume* volume = volume_of(produce::TreeId(tree));
     if (volume == nullptr) continue;  // it was closed meanwhile
     const CommitCounts counts = volume->residency().commit(std::move(elements), eviction);
     evicted += counts.bricks_evicted;
@@ -165,16 +177,16 @@ std::uint64_t Cache::take_in(std::vector<produce::Element> made, Eviction evicti
 
 /// Tells those who want an element that it came, or why not. What nobody sees may fail: whoever comes to see
 /// it will hear of it.
-void Cache::tell(const produce::Element& made) {
-  const std::uint64_t bricks = made.key.kind == produce::ElementKind::brick && made.status.ok() ? 1 : 0;
+void Cache::tell(const produce::FinishedElement& made) {
+  const std::uint64_t bricks = made.key.kind == produce::ElementKind::brick && made.element.ok() ? 1 : 0;
   for (const auto& client : clients_) {
     if (client->visible.erase(made.key) > 0) {
       client->bricks_made += bricks;
-      client->came += made.status.ok() ? 1 : 0;
-      if (!made.status.ok() && client->failed.ok()) client->failed = made.status;
+      client->came += made.element.ok() ? 1 : 0;
+      if (!made.element.ok() && client->failed.ok()) client->failed = made.element.error();
     } else if (client->ahead.erase(made.key) > 0) {
       client->bricks_made += bricks;
-      client->failed_ahead = client->failed_ahead || !made.status.ok();
+      client->failed_ahead = client->failed_ahead || !made.element.ok();
     }
   }
 }

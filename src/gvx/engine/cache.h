@@ -15,6 +15,7 @@
 
 #include "gvx/cache/pass_clock.h"
 #include "gvx/core/result.h"
+#include "gvx/engine/memory_budget.h"
 #include "gvx/engine/volume.h"
 #include "gvx/exec/device.h"
 #include "gvx/exec/fair_mutex.h"
@@ -55,7 +56,8 @@ class Cache {
   Cache& operator=(const Cache&) = delete;
 
   /// The volume of a producer; the same volume each time. An error if the program has no kernels for its
-  /// voxels, or if the memory is too little.
+  /// voxels, or if the memory is too little. A volume that nobody holds any more is closed when the next one
+  /// is opened or a viewer leaves.
   Result<std::shared_ptr<Volume>> open(std::shared_ptr<const produce::Producer> producer);
 
   const exec::Device& device() const { return device_; }
@@ -84,8 +86,9 @@ class Cache {
   /// `requests` how many nodes they marked.
   std::vector<produce::ElementKey> collect(const Client& client, std::span<Volume* const> volumes,
                                            std::uint64_t& requests);
-  /// Drops elements, from the back, that there would be no room for; returns whether there were any.
-  bool limit_to_room(std::vector<produce::ElementKey>& elements, Eviction eviction) const;
+  /// Makes room for elements, and drops those, from the back, that there is none for; returns whether there
+  /// were any.
+  bool limit_to_room(std::vector<produce::ElementKey>& elements, Eviction eviction);
   /// Has these made for the picture, or for a later one, in place of what was wanted before.
   void want(Client& client, produce::Tier tier, const std::vector<produce::ElementKey>& elements);
   /// Is nothing left to make, or to commit, of what the client wants for its picture?
@@ -96,17 +99,19 @@ class Cache {
  private:
   Cache(const exec::Device& device, const CacheOptions& options);
 
+  void forget_closed();
   Volume* volume_of(produce::TreeId tree) const;
-  std::uint64_t take_in(std::vector<produce::Element> made, Eviction eviction);
-  void tell(const produce::Element& made);
+  std::uint64_t take_in(std::vector<produce::FinishedElement> made, Eviction eviction);
+  void tell(const produce::FinishedElement& made);
 
   exec::Device device_;
   CacheOptions options_;
   exec::FairMutex turns_;
   std::shared_ptr<produce::Production> production_;
   std::vector<std::unique_ptr<Client>> clients_;
-  std::vector<std::weak_ptr<Volume>> volumes_;
-  std::vector<produce::Element> others_;  // that were made while a client made room by force: they wait
+  std::vector<std::shared_ptr<Volume>> volumes_;
+  MemoryBudget budget_;
+  std::vector<produce::FinishedElement> others_;  // that were made while a client made room by force: they wait
   cache::PassClock clock_;
 };
 

@@ -5,7 +5,7 @@
 
 #include <chrono>
 
-#include "gvx/exec/device.h"
+#include "gvx/exec/tile_grid.h"
 
 namespace gvx::engine {
 

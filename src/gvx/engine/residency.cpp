@@ -8,7 +8,7 @@
 
 namespace gvx::engine {
 
-using produce::Element;
+using produce::FinishedElement;
 using produce::ElementKey;
 using produce::ElementKind;
 
@@ -141,24 +141,26 @@ std::vector<Lacking> Residency::collect(std::uint32_t pass, std::uint32_t in_use
   return lacking;
 }
 
-void Residency::fill_tile(TileIndex tile, const Element& made) {
+void Residency::fill_tile(TileIndex tile, const FinishedElement& made) {
+  const produce::Element& children = made.element.value();
   tile_slots_.put(tile.value, made.key.node);
   for (std::uint32_t i = 0; i < nodes_.nodes_per_tile(); ++i) {
     const NodeIndex node = nodes_.node_of(tile, i);
-    const tree::NodeInfo& info = made.children[i];
+    const tree::NodeInfo& info = children.children[i];
     nodes_.reset_node(node, info);
     if (info.ranges.constant()) continue;
-    link(node, {tree_, made.child_keys[i], ElementKind::brick});
-    if (!info.terminal) link(node, {tree_, made.child_keys[i], ElementKind::children});
+    link(node, {tree_, children.child_keys[i], ElementKind::brick});
+    if (!info.terminal) link(node, {tree_, children.child_keys[i], ElementKind::children});
   }
   for (Look* look : looks_) look->classify_tile(nodes_, tile);
 }
 
-std::optional<BrokenBounds> Residency::broken_bounds(NodeIndex node, const Element& made) const {
-  if (!made.found) return std::nullopt;
+std::optional<BrokenBounds> Residency::broken_bounds(NodeIndex node, const FinishedElement& made) const {
+  const std::optional<ChannelRanges>& found_ranges = made.element.value().found;
+  if (!found_ranges) return std::nullopt;
   const ChannelRanges promised = nodes_.ranges(node);
   for (std::uint32_t c = 0; c < producer_.description().format.channels(); ++c) {
-    const ValueRange bounds = promised.channel[c], found = made.found->channel[c];
+    const ValueRange bounds = promised.channel[c], found = found_ranges->channel[c];
     if (found.minimum < bounds.minimum || found.maximum > bounds.maximum) {
       return BrokenBounds{made.key.node, c, bounds, found};
     }
@@ -166,15 +168,21 @@ std::optional<BrokenBounds> Residency::broken_bounds(NodeIndex node, const Eleme
   return std::nullopt;
 }
 
-CommitCounts Residency::commit(std::vector<Element> made, Eviction eviction) {
+void Residency::withhold_bricks(std::uint32_t count) {
+  const cache::TakenSlots taken = brick_slots_.withhold(count);
+  nodes_.clear_pointers({}, taken.recycled, bricks_.slots());
+  bricks_.release(taken.recycled, [&](std::uint32_t slot) { return !brick_slots_.occupied(slot); });
+}
+
+CommitCounts Residency::commit(std::vector<FinishedElement> made, Eviction eviction) {
   CommitCounts counts;
-  std::vector<const Element*> tiles, bricks;
+  std::vector<const FinishedElement*> tiles, bricks;
   std::unordered_set<ElementKey, produce::ElementKeyHash> seen;
-  for (const Element& element : made) {
-    if (!element.status.ok() || !seen.insert(element.key).second) continue;
+  for (const FinishedElement& element : made) {
+    if (!element.element.ok() || !seen.insert(element.key).second) continue;
     if (element.key.kind == ElementKind::children) {
       if (!tile_slots_.contains(element.key.node)) tiles.push_back(&element);
-    } else if (!element.constant && !brick_slots_.contains(element.key.node)) {
+    } else if (!element.element.value().constant && !brick_slots_.contains(element.key.node)) {
       bricks.push_back(&element);
     }
   }
@@ -185,21 +193,22 @@ CommitCounts Residency::commit(std::vector<Element> made, Eviction eviction) {
 
   for (std::size_t i = 0; i < for_bricks.slots.size(); ++i) {
     const std::uint32_t slot = for_bricks.slots[i];
-    bricks_.write(BrickIndex(slot), bricks[i]->voxels);
+    bricks_.write(BrickIndex(slot), bricks[i]->element.value().voxels);
     for (Look* look : looks_) look->forget_brick(BrickIndex(slot));
     brick_slots_.put(slot, bricks[i]->key.node);
   }
   for (std::size_t i = 0; i < for_tiles.slots.size(); ++i)
     fill_tile(TileIndex(for_tiles.slots[i]), *tiles[i]);
-  for (const Element& element : made) {
-    if (element.status.ok()) link_askers(element, counts);
+  for (const FinishedElement& element : made) {
+    if (element.element.ok()) link_askers(element, counts);
   }
   return counts;
 }
 
-void Residency::link_askers(const Element& made, CommitCounts& counts) {
+void Residency::link_askers(const FinishedElement& made, CommitCounts& counts) {
   const auto askers = askers_.find(made.key);
   if (askers == askers_.end()) return;
+  const std::optional<ChannelRanges>& constant = made.element.value().constant;
   bool compared = false;
   for (const NodeIndex node : askers->second.nodes) {
     // The tile that the asker stood in may have been given away since.
@@ -210,8 +219,8 @@ void Residency::link_askers(const Element& made, CommitCounts& counts) {
         if (!counts.first_broken) counts.first_broken = broken;
       }
     }
-    if (made.constant) {
-      nodes_.set_constant(node, *made.constant);
+    if (constant) {
+      nodes_.set_constant(node, *constant);
       for (Look* look : looks_) look->classify_node(nodes_, node);
     } else {
       link(node, made.key);

@@ -17,6 +17,7 @@
 #include "gvx/exec/device.h"
 #include "gvx/produce/producer.h"
 #include "gvx/produce/element.h"
+#include "gvx/produce/production.h"
 #include "gvx/tree/node_pool.h"
 
 namespace gvx::engine {
@@ -108,8 +109,15 @@ class Residency {
   /// For how much commit() would have room.
   Room room(Eviction eviction) const { return {tile_slots_.room(eviction), brick_slots_.room(eviction)}; }
 
+  /// The `count` oldest bricks' slots are given up, and their memory with them, until they are restored.
+  void withhold_bricks(std::uint32_t count);
+  void restore_bricks(std::uint32_t count) { brick_slots_.restore(count); }
+  std::uint32_t withheld_bricks() const { return brick_slots_.withheld(); }
+  /// In which pass the oldest brick's slot was used last.
+  std::uint32_t oldest_brick_pass() const { return brick_slots_.oldest_pass(); }
+
   /// Takes in what producers made; what failed is passed over.
-  CommitCounts commit(std::vector<produce::Element> made, Eviction eviction);
+  CommitCounts commit(std::vector<produce::FinishedElement> made, Eviction eviction);
 
   /// Requested nodes in the last collect().
   std::uint64_t requested() const { return requested_; }
@@ -125,9 +133,9 @@ class Residency {
   void link(NodeIndex node, const produce::ElementKey& job);
   /// Has the node's tile been given away?
   bool is_gone(NodeIndex node) const;
-  void fill_tile(TileIndex tile, const produce::Element& made);
-  void link_askers(const produce::Element& made, CommitCounts& counts);
-  std::optional<BrokenBounds> broken_bounds(NodeIndex node, const produce::Element& made) const;
+  void fill_tile(TileIndex tile, const produce::FinishedElement& made);
+  void link_askers(const produce::FinishedElement& made, CommitCounts& counts);
+  std::optional<BrokenBounds> broken_bounds(NodeIndex node, const produce::FinishedElement& made) const;
 
   const produce::Producer& producer_;
   produce::TreeId tree_;

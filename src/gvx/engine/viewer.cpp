@@ -51,6 +51,7 @@ Viewer::~Viewer() {
     const exec::FairMutex::Turn turn = cache_->take_turn();
     volume_->residency().detach(look_);
   }
+  volume_.reset();
   cache_->remove_client(client_);
 }
 
@@ -237,7 +238,10 @@ Status Viewer::wait(exec::FairMutex::Turn& turn, exec::Deadline deadline, bool k
     const TimeSum::Span waiting(waiting_);
     if (!alone) turn.end();
     cache_->wait_until(*client_, deadline);
-    if (!alone) turn = cache_->take_turn();
+    if (!alone) {
+      turn = cache_->take_turn();
+      begin_pass();  // others' passes have come since
+    }
   }
   return commit();
 }
@@ -258,16 +262,19 @@ Status Viewer::render_exact(const RayProgress& progress) {
       return Error{"memory: " + std::to_string(residency.nodes().tiles()) + " node tiles and " +
                    std::to_string(residency.bricks().slots()) + " bricks do not hold what one ray needs"};
     }
-    // Rays that push out what is in use keep their turn until one has come on: else two viewers could take
-    // from each other what they need, for ever.
-    const bool keep_turn = client_->eviction == Eviction::any && !came_on;
-    while (!cache_->idle(*client_)) {
-      GVX_TRY(wait(turn, exec::no_deadline(), keep_turn));      // produce, evict, commit
-      report(progress);
-    }
-    if (!keep_turn && cache_->contended()) {
+    // Rays that push out what is in use keep their turn until one has come on, and where memory is scarce
+    // what came is used before it is another's turn: else viewers could take from each other what they need,
+    // for ever.
+    const bool by_force = client_->eviction == Eviction::any && !came_on;
+    bool keep_turn = by_force;
+    if (cache_->idle(*client_) && !keep_turn && cache_->contended()) {
       turn.end();
       turn = cache_->take_turn();
+    }
+    while (!cache_->idle(*client_)) {
+      GVX_TRY(wait(turn, exec::no_deadline(), keep_turn));  // produce, evict, commit
+      keep_turn = by_force || crowded_;
+      report(progress);
     }
   }
   cache_->rest(*client_);
@@ -347,8 +354,8 @@ Status Viewer::render_for(std::chrono::nanoseconds budget) {
       moving_frame_.reset();
       march_exactly(deadline, {});
     }
-    GVX_TRY(commit());
     ask();                                                     // collect
+    GVX_TRY(commit());                                         // evict, commit
     if (cache_->idle(*client_)) prefetch(deadline);
     while (!exact_->finished() && !cache_->idle(*client_) && Clock::now() < deadline) {
       GVX_TRY(wait(turn, deadline, true));                     // produce, evict, commit
