@@ -70,19 +70,19 @@ std::map<std::uint64_t, int> shares(Demand& demand, int elements) {
 TEST(Demand, clients_share_by_weight) {
   Demand demand = demand_of_one_tree();
   const ClientId one = demand.add_client(1), three = demand.add_client(3), half = demand.add_client(0.5);
-  demand.want(one, Tier::visible, keys_of(0, 10000));
-  demand.want(three, Tier::visible, keys_of(1000000, 10000));
-  demand.want(half, Tier::visible, keys_of(2000000, 10000));
+  demand.want(one, Tier::visible, keys_of(0, 1000));
+  demand.want(three, Tier::visible, keys_of(1000000, 1000));
+  demand.want(half, Tier::visible, keys_of(2000000, 1000));
   auto begun = shares(demand, 900);
   EXPECT_NEAR(begun[0], 200, 2);
   EXPECT_NEAR(begun[1], 600, 2);
   EXPECT_NEAR(begun[2], 100, 2);
 }
 
-TEST(Demand, one_that_wants_ten_is_not_kept_waiting_by_one_that_wants_a_million) {
+TEST(Demand, one_that_wants_ten_is_not_kept_waiting_by_one_that_wants_very_many) {
   Demand demand = demand_of_one_tree();
   const ClientId many = demand.add_client(1);
-  demand.want(many, Tier::visible, keys_of(0, 1000000));
+  demand.want(many, Tier::visible, keys_of(0, 100000));
   shares(demand, 5000);
   const ClientId few = demand.add_client(1);
   demand.want(few, Tier::visible, keys_of(1000000, 10));
@@ -196,7 +196,7 @@ TEST(Demand, does_as_a_model_says_whatever_clients_do) {
     }
     if (what == 2 && !clients.empty()) {
       const ClientId client = clients[random(clients.size())];
-      const Tier tier(static_cast<std::uint32_t>(random(2)));
+      const Tier tier = random(2) == 0 ? Tier::visible : Tier::ahead;
       std::vector<ElementKey> keys;
       for (std::size_t i = random(30); i > 0; --i) keys.push_back(key_of(random(60)));
       demand.want(client, tier, keys);

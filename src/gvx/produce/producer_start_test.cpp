@@ -200,9 +200,9 @@ TEST(MakeElement, examines_what_it_makes) {
   const auto brick = make_element(*terrain, nodes_with_bricks(*terrain, 20).front(), ElementKind::brick);
   ASSERT_TRUE(brick.ok());
   ASSERT_TRUE(brick.value().found);
-  const auto [least, greatest] = std::ranges::minmax(brick.value().voxels);
-  EXPECT_EQ(brick.value().found->channel[0],
-            (ValueRange{std::to_integer<int>(least) * 1.0f, std::to_integer<int>(greatest) * 1.0f}));
+  const auto [least, greatest] = std::ranges::minmax(brick.value().voxels.first(plane_texels(8)));
+  const ValueRange expected{static_cast<float>(least), static_cast<float>(greatest)};
+  EXPECT_EQ(brick.value().found->channel[0], expected);
 }
 
 }  // namespace

@@ -264,7 +264,7 @@ TEST(Production, stops_with_work_left_and_outlived_by_requests) {
   std::vector<RemoteProducer::Request> requests;
   {
     Setting<RemoteProducer> s(2, 4);
-    s.want(bricks_of(s.tree, 0, 100000));
+    s.want(bricks_of(s.tree, 0, 10000));
     requests = s.producer->take(4);
   }
   EXPECT_TRUE(requests[0].sink->cancelled(0));
