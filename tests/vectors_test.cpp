@@ -222,8 +222,9 @@ void expect_previews_alike(const TestScene& scene, const std::string& what) {
     std::vector<produce::Job> jobs[2];
     for (const bool one_ray : {true, false}) {
       pass.one_ray_at_a_time = one_ray;
-      EXPECT_TRUE(render::march_preview(cpu, pass, grid, tiles.view(), exec::no_deadline(), block, number,
-                                        rays.view(), (one_ray ? plain : vectors).view()));
+      const render::TilesMarch march{pass, grid, tiles.view(), exec::no_deadline()};
+      exec::Buffer<render::PreviewPixel>& pixels = one_ray ? plain : vectors;
+      EXPECT_TRUE(render::march_preview(cpu, {march, block, number, rays.view(), pixels.view()}));
       jobs[one_ray ? 0 : 1] = residency.collect(number);
     }
     for (std::uint32_t y = 0; y < height; y += block) {

@@ -244,8 +244,9 @@ void Engine::exact_pass(exec::Deadline deadline, const RayProgress& progress) {
     const auto last = first + static_cast<std::ptrdiff_t>(count);
     std::copy(first, last, tile_list_.view().begin());
     for (auto tile = first; tile != last; ++tile) tile_flags_.view()[*tile] = 0;
-    if (!render::march_exact(device_, pass(*frame_), film_->grid(), {tile_list_.view().data, count}, deadline,
-                             film_->rays(), tile_flags_.view())) {
+    const render::Pass marched = pass(*frame_);
+    const render::TilesMarch tiles{marched, film_->grid(), {tile_list_.view().data, count}, deadline};
+    if (!render::march_exact(device_, {tiles, film_->rays(), tile_flags_.view()})) {
       return;  // some flags were not set; finished rays cost little the next time
     }
     const auto kept =
@@ -398,8 +399,9 @@ bool Engine::preview_chunk(exec::Deadline deadline) {
   std::iota(tile_list_.view().begin(), tile_list_.view().begin() + count, preview_.tile);
   ++statistics_.passes;
   const render::Frame& frame = moving_frame_ ? *moving_frame_ : *frame_;
-  if (!render::march_preview(device_, pass(frame), grid, {tile_list_.view().data, count}, deadline, block,
-                             preview_.generation, film_->rays(), film_->preview())) {
+  const render::Pass drawn = pass(frame);
+  const render::TilesMarch tiles{drawn, grid, {tile_list_.view().data, count}, deadline};
+  if (!render::march_preview(device_, {tiles, block, preview_.generation, film_->rays(), film_->preview()})) {
     return false;  // what was drawn of them is not drawn again
   }
   preview_.tile += count;
@@ -548,8 +550,8 @@ void Engine::prefetch(exec::Deadline deadline) {
   bool drawn = false;
   {
     const TimeSum::Span marching(marching_);
-    drawn = render::march_preview(device_, ahead, grid, {tile_list_.view().data, grid.tiles()}, deadline, 1,
-                                  1, ahead_->rays(), ahead_->preview());
+    const render::TilesMarch tiles{ahead, grid, {tile_list_.view().data, grid.tiles()}, deadline};
+    drawn = render::march_preview(device_, {tiles, 1, 1, ahead_->rays(), ahead_->preview()});
   }
   std::vector<produce::Job> jobs;
   {

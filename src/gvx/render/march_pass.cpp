@@ -37,28 +37,16 @@ Status check_kernels(const exec::Device& device, VoxelType type, std::uint32_t n
                "; build it with that type in GVX_CUDA_VOXELS"};
 }
 
-bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
-                 exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                 exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
-  if (device.kind() == exec::DeviceKind::cpu && marches_tiles(pass)) {
-    return tile_march(device, pass, grid, tiles, deadline, rays, unfinished);
-  }
-  return with_voxel_type(pass.frame.format.type, [&](auto zero) {
-    return kernels::march_exact<decltype(zero)>(device, pass, grid, tiles, deadline, rays, unfinished);
-  });
+bool march_exact(const exec::Device& device, const ExactMarch& march) {
+  if (device.kind() == exec::DeviceKind::cpu && marches_tiles(march.pass)) return tile_march(device, march);
+  return with_voxel_type(march.pass.frame.format.type,
+                         [&](auto zero) { return kernels::march_exact<decltype(zero)>(device, march); });
 }
 
-bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
-                   exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
-                   std::uint32_t generation, exec::BufferView<const RayState> rays,
-                   exec::BufferView<PreviewPixel> pixels) {
-  if (device.kind() == exec::DeviceKind::cpu && marches_tiles(pass)) {
-    return tile_preview(device, pass, grid, tiles, deadline, block, generation, rays, pixels);
-  }
-  return with_voxel_type(pass.frame.format.type, [&](auto zero) {
-    return kernels::march_preview<decltype(zero)>(device, pass, grid, tiles, deadline, block, generation,
-                                                  rays, pixels);
-  });
+bool march_preview(const exec::Device& device, const PreviewMarch& march) {
+  if (device.kind() == exec::DeviceKind::cpu && marches_tiles(march.pass)) return tile_preview(device, march);
+  return with_voxel_type(march.pass.frame.format.type,
+                         [&](auto zero) { return kernels::march_preview<decltype(zero)>(device, march); });
 }
 
 void march_ray(const Pass& pass, double x, double y, RayState& state) {

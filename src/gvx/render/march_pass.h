@@ -53,21 +53,37 @@ constexpr bool has_kernels([[maybe_unused]] std::uint32_t n, [[maybe_unused]] st
 /// An error where this build has no kernels for such voxels, n and m on the device.
 Status check_kernels(const exec::Device& device, VoxelType type, std::uint32_t n, std::uint32_t m);
 
-/// Marches the exact rays of the listed tiles; sets unfinished[tile] = 1 where a ray of the tile is not
-/// finished. `unfinished` has an entry per tile of the grid. Returns whether no tile was
-/// left out for the deadline; one that was begun has come further, though not always to its end. Where a CPU
-/// marches tiles (tile_march.h) one that has something left to do is begun however late it is, of a preview
-/// too, so that short frames on slow machines come to an end.
-bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
-                 exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                 exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished);
+/// The march of a pass through the listed tiles of a grid, as far as it comes before the deadline.
+struct TilesMarch {
+  const Pass& pass;
+  exec::TileGrid grid;
+  exec::BufferView<const std::uint32_t> tiles;
+  exec::Deadline deadline;
+};
+
+/// That of exact rays.
+struct ExactMarch : TilesMarch {
+  exec::BufferView<RayState> rays;
+  exec::BufferView<std::uint32_t> unfinished;  ///< an entry for each tile of the grid
+};
+
+/// That of previews, one ray for `block` x `block` pixels. The grid is that of the blocks:
+/// ceil(width / block) by ceil(height / block).
+struct PreviewMarch : TilesMarch {
+  std::uint32_t block, generation;
+  exec::BufferView<const RayState> rays;
+  exec::BufferView<PreviewPixel> pixels;
+};
+
+/// Marches exact rays; sets unfinished[tile] = 1 where a ray of the tile is not finished. Returns whether no
+/// tile was left out for the deadline; one that was begun has come further, though not always to its end.
+/// Where a CPU marches tiles (tile_march.h) one that has something left to do is begun however late it is, of
+/// a preview too, so that short frames on slow machines come to an end.
+bool march_exact(const exec::Device& device, const ExactMarch& march);
 
 /// Draws the preview pixels at multiples of `block` that this generation has not drawn yet and whose exact
-/// ray is not finished. The grid is that of the blocks: ceil(width / block) by ceil(height / block).
-bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
-                   exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
-                   std::uint32_t generation, exec::BufferView<const RayState> rays,
-                   exec::BufferView<PreviewPixel> pixels);
+/// ray is not finished.
+bool march_preview(const exec::Device& device, const PreviewMarch& march);
 
 /// Ray (x, y) marches by itself, as march.h says; on a CPU.
 void march_ray(const Pass& pass, double x, double y, RayState& state);

@@ -55,34 +55,30 @@ struct MarchPreview {
 /// exec::for_each_pixel, where there are kernels for this N and M (GVX_CUDA_SHAPES); check_kernels() sees to
 /// it that no other comes to a GPU.
 template <int N, int M, typename Functor>
-bool for_each_ray(const exec::Device& device, const char* name, exec::TileGrid grid,
-                  exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, Functor functor) {
+bool for_each_ray(const exec::Device& device, const char* name, const TilesMarch& march, Functor functor) {
   if constexpr (has_kernels(N, M)) {
-    return exec::for_each_pixel(device, name, grid, tiles, deadline, functor);
+    return exec::for_each_pixel(device, name, march.grid, march.tiles, march.deadline, functor);
   } else {
-    return exec::for_each_pixel_on_cpu(device, grid, tiles, deadline, functor);
+    return exec::for_each_pixel_on_cpu(device, march.grid, march.tiles, march.deadline, functor);
   }
 }
 
 template <typename Voxel>
-bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
-                 exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                 exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
+bool march_exact(const exec::Device& device, const ExactMarch& march) {
+  const Pass& pass = march.pass;
   return with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
     return for_each_ray<N, M>(
-        device, "march_exact", grid, tiles, deadline,
-        MarchExact<Voxel, N, M>{view, grid, rays, unfinished, pass.epoch, pass.lone_ray});
+        device, "march_exact", march,
+        MarchExact<Voxel, N, M>{view, march.grid, march.rays, march.unfinished, pass.epoch, pass.lone_ray});
   });
 }
 
 template <typename Voxel>
-bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
-                   exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
-                   std::uint32_t generation, exec::BufferView<const RayState> rays,
-                   exec::BufferView<PreviewPixel> pixels) {
-  return with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
-    return for_each_ray<N, M>(device, "march_preview", grid, tiles, deadline,
-                              MarchPreview<Voxel, N, M>{view, block, generation, rays, pixels, pass.epoch});
+bool march_preview(const exec::Device& device, const PreviewMarch& march) {
+  return with_view<Voxel>(march.pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
+    return for_each_ray<N, M>(device, "march_preview", march,
+                              MarchPreview<Voxel, N, M>{view, march.block, march.generation, march.rays,
+                                                        march.pixels, march.pass.epoch});
   });
 }
 
@@ -108,16 +104,11 @@ double distance_to(const Pass& pass, double x, double y, float opacity) {
   });
 }
 
-#define GVX_INSTANTIATE_MARCH(PREFIX, VOXEL)                                                                \
-  PREFIX template void march_ray<VOXEL>(const Pass&, double, double, RayState&);                            \
-  PREFIX template PreviewPixel preview_ray<VOXEL>(const Pass&, double, double);                             \
-  PREFIX template double distance_to<VOXEL>(const Pass&, double, double, float);                            \
-  PREFIX template bool march_exact<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,                 \
-                                          exec::BufferView<const std::uint32_t>, exec::Deadline,            \
-                                          exec::BufferView<RayState>, exec::BufferView<std::uint32_t>);     \
-  PREFIX template bool march_preview<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,               \
-                                            exec::BufferView<const std::uint32_t>, exec::Deadline,          \
-                                            std::uint32_t, std::uint32_t, exec::BufferView<const RayState>, \
-                                            exec::BufferView<PreviewPixel>);
+#define GVX_INSTANTIATE_MARCH(PREFIX, VOXEL)                                       \
+  PREFIX template void march_ray<VOXEL>(const Pass&, double, double, RayState&);   \
+  PREFIX template PreviewPixel preview_ray<VOXEL>(const Pass&, double, double);    \
+  PREFIX template double distance_to<VOXEL>(const Pass&, double, double, float);   \
+  PREFIX template bool march_exact<VOXEL>(const exec::Device&, const ExactMarch&); \
+  PREFIX template bool march_preview<VOXEL>(const exec::Device&, const PreviewMarch&);
 
 }  // namespace gvx::render::kernels

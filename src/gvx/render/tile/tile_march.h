@@ -18,14 +18,9 @@ namespace gvx::render {
 bool marches_tiles(const Pass& pass);
 
 /// As march_exact of march_pass.h, on a CPU, where marches_tiles(pass).
-bool tile_march(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
-                exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished);
+bool tile_march(const exec::Device& cpu, const ExactMarch& march);
 
 /// As march_preview of march_pass.h, there too; a tile that was begun is drawn whole.
-bool tile_preview(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
-                  exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
-                  std::uint32_t generation, exec::BufferView<const RayState> rays,
-                  exec::BufferView<PreviewPixel> pixels);
+bool tile_preview(const exec::Device& cpu, const PreviewMarch& march);
 
 }  // namespace gvx::render

@@ -51,17 +51,19 @@ class Turns {
 };
 
 template <int N>
-bool march_tiles(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
-                 exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                 exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
+bool march_tiles(const exec::Device& cpu, const ExactMarch& march) {
+  const Pass& pass = march.pass;
+  const exec::TileGrid grid = march.grid;
+  const exec::BufferView<RayState> rays = march.rays;
   GVX_CHECK(pass.blank_tiles.size == grid.tiles());
-  Turns turns(deadline);
+  Turns turns(march.deadline);
   const TilesView view(pass);
   const TileProjection projection(pass.frame, 1);
-  exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
+  exec::parallel_for(cpu, march.tiles.size, [&](std::size_t t) {
     if (!turns.all_taken()) return;
-    const TilePart part(grid, tiles[t]);
-    if (pass.blank_tiles[tiles[t]] == pass.epoch) return;
+    const std::uint32_t tile = march.tiles[t];
+    const TilePart part(grid, tile);
+    if (pass.blank_tiles[tile] == pass.epoch) return;
     const auto index_of = [&](std::uint32_t x, std::uint32_t y) { return std::size_t(y) * grid.width + x; };
     const auto index_of_ray = [&](std::uint32_t i) {
       return index_of(part.x0 + i % TileRays::kEdge, part.y0 + i / TileRays::kEdge);
@@ -88,16 +90,16 @@ bool march_tiles(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
     }
     // A tile that is finished must cost next to nothing, or short frames end in it.
     if (all_finished) return;
-    exec::store_relaxed(&unfinished[tiles[t]], 1);
+    exec::store_relaxed(&march.unfinished[tile], 1);
     if (marching.count() == 0 || !turns.take()) return;
     TileMarcher<N> marcher(view, projection, part.x0, part.y0, 1, grid.tile, false);
     marcher.leave_out_all_but(marching);
     if (is_new) marcher.will_put({&rays[index_of_ray(0)], grid.width, part.width, part.height});
     resuming.for_each([&](std::uint32_t i) { marcher.resume(i, rays[index_of_ray(i)]); });
-    marcher.march(deadline);
+    marcher.march(march.deadline);
     if (is_new && marcher.is_blank()) {
-      pass.blank_tiles[tiles[t]] = pass.epoch;
-      return exec::store_relaxed(&unfinished[tiles[t]], 0);
+      pass.blank_tiles[tile] = pass.epoch;
+      return exec::store_relaxed(&march.unfinished[tile], 0);
     }
     bool finished = marching.count() == part.width * part.height;
     const auto done = [&](RayState& ray) {
@@ -121,23 +123,22 @@ bool march_tiles(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
         done(ray);
       });
     }
-    if (finished) exec::store_relaxed(&unfinished[tiles[t]], 0);
+    if (finished) exec::store_relaxed(&march.unfinished[tile], 0);
   });
   return turns.all_taken();
 }
 
 template <int N>
-bool preview_tiles(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
-                   exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
-                   std::uint32_t generation, exec::BufferView<const RayState> rays,
-                   exec::BufferView<PreviewPixel> pixels) {
-  Turns turns(deadline);
+bool preview_tiles(const exec::Device& cpu, const PreviewMarch& march) {
+  const Pass& pass = march.pass;
+  const std::uint32_t block = march.block;
+  Turns turns(march.deadline);
   const TilesView view(pass);
   const TileProjection projection(pass.frame, double(block));
   const exec::TileGrid film{pass.frame.width, pass.frame.height};
-  exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
+  exec::parallel_for(cpu, march.tiles.size, [&](std::size_t t) {
     if (!turns.all_taken()) return;
-    const TilePart part(grid, tiles[t]);
+    const TilePart part(march.grid, march.tiles[t]);
     const auto index_of = [&](std::uint32_t x, std::uint32_t y) {
       return std::size_t(y) * block * pass.frame.width + std::size_t(x) * block;
     };
@@ -145,8 +146,8 @@ bool preview_tiles(const exec::Device& cpu, const Pass& pass, exec::TileGrid gri
       const bool may_be_blank = pass.blank_tiles.size > 0;
       if (may_be_blank && pass.blank_tiles[film.tile_of(x * block, y * block)] == pass.epoch) return true;
       const std::size_t pixel = index_of(x, y);
-      return (rays[pixel].epoch == pass.epoch && rays[pixel].phase == RayPhase::finished) ||
-             (pixels[pixel].epoch == pass.epoch && pixels[pixel].generation == generation);
+      return (march.rays[pixel].epoch == pass.epoch && march.rays[pixel].phase == RayPhase::finished) ||
+             (march.pixels[pixel].epoch == pass.epoch && march.pixels[pixel].generation == march.generation);
     };
     ActiveRays missing;
     part.for_rays([&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
@@ -154,20 +155,20 @@ bool preview_tiles(const exec::Device& cpu, const Pass& pass, exec::TileGrid gri
     });
     if (missing.count() == 0 || !turns.take()) return;
     TileMarcher<N> marcher(view, projection, double(part.x0) * block, double(part.y0) * block, double(block),
-                           grid.tile, true);
+                           march.grid.tile, true);
     marcher.leave_out_all_but(missing);
     // A preview's ray cannot stop half way.
     marcher.march(exec::no_deadline());
     missing.for_each([&](std::uint32_t i) {
       const std::uint32_t x = part.x0 + i % TileRays::kEdge, y = part.y0 + i / TileRays::kEdge;
-      PreviewPixel& pixel = pixels[index_of(x, y)];
+      PreviewPixel& pixel = march.pixels[index_of(x, y)];
       if (marcher.is_stub(i)) {
         pixel = preview_ray(pass, double(x) * block, double(y) * block);
       } else {
         pixel = marcher.pixel(i);
       }
       pixel.epoch = pass.epoch;
-      pixel.generation = generation;
+      pixel.generation = march.generation;
     });
   });
   return turns.all_taken();
