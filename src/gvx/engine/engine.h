@@ -17,6 +17,7 @@
 
 #include "gvx/core/result.h"
 #include "gvx/core/time_sum.h"
+#include "gvx/engine/look.h"
 #include "gvx/engine/preview_pace.h"
 #include "gvx/engine/residency.h"
 #include "gvx/engine/statistics.h"
@@ -48,9 +49,6 @@ struct EngineOptions {
   /// first brick with values beyond its node's bounds. It is called on the thread that called the engine.
   std::function<void(const std::string&)> warn = {};
 };
-
-/// The tree's shape, its place in the world and its values' ranges, for frames.
-render::TreePlacement placement_of(const produce::TreeDescription& tree);
 
 /// Called with the number of the picture's rays that are finished, and of all its rays.
 using RayProgress = std::function<void(std::uint64_t finished, std::uint64_t all)>;
@@ -134,6 +132,7 @@ class Engine {
   bool adapts_levels_ = true;
   std::shared_ptr<const produce::Producer> producer_;
   Residency residency_;
+  Look look_;
   produce::ProductionQueue queue_;
   std::shared_ptr<const produce::Proxy> proxy_;
   std::function<void(const std::string&)> warn_;

@@ -24,11 +24,11 @@ Vec3dd point(const Affine3& map, Vec3dd p) {
          Vec3dd(map.origin);
 }
 
-bool scalar_composite(const View& view, const TreePlacement& placement) {
-  return view.mode == scene::Mode::composite && placement.format.content == VoxelContent::scalar;
+bool scalar_composite(const View& view, const tree::TreeDescription& tree) {
+  return view.mode == scene::Mode::composite && tree.format.content == VoxelContent::scalar;
 }
 
-Status check(const View& view, const TreePlacement& placement) {
+Status check(const View& view, const tree::TreeDescription& tree) {
   if (view.width < 1 || view.height < 1 || view.width > kLargestPicture || view.height > kLargestPicture) {
     return Error{"picture size: " + std::to_string(view.width) + "x" + std::to_string(view.height) +
                  " is not between 1x1 and 32768x32768"};
@@ -45,25 +45,25 @@ Status check(const View& view, const TreePlacement& placement) {
       return Error{"clip box: each minimum must be below its maximum"};
     }
   }
-  const bool scalar = placement.format.content == VoxelContent::scalar;
+  const bool scalar = tree.format.content == VoxelContent::scalar;
   if (view.mode != scene::Mode::composite && !scalar) {
-    return Error{std::string("mode: a volume of ") + content_name(placement.format.content) +
+    return Error{std::string("mode: a volume of ") + content_name(tree.format.content) +
                  " voxels can only be composited"};
   }
-  if (view.classification != scene::Classification::preintegrated && !scalar_composite(view, placement)) {
+  if (view.classification != scene::Classification::preintegrated && !scalar_composite(view, tree)) {
     return Error{"classification: only scalars that are composited are classified after sampling"};
   }
-  if (view.noise && (!scalar || placement.format.planes != 1)) {
+  if (view.noise && (!scalar || tree.format.planes != 1)) {
     return Error{"noise: can only be added to a volume of one channel"};
   }
-  if (view.mode == scene::Mode::isosurface && placement.format.planes != 1) {
+  if (view.mode == scene::Mode::isosurface && tree.format.planes != 1) {
     return Error{"mode: an isosurface needs a volume of one channel"};
   }
   if (view.lighting.lights < 0 || view.lighting.lights > scene::Lighting::kMostLights) {
     return Error{"lights: at most " + std::to_string(scene::Lighting::kMostLights)};
   }
   GVX_TRY(scene::check(view.lighting));
-  const bool has_function = scalar || placement.format.content == VoxelContent::labels;
+  const bool has_function = scalar || tree.format.content == VoxelContent::labels;
   if (has_function && view.functions.empty()) return Error{"transfer function: none given"};
   for (const scene::TransferFunction& function : view.functions) GVX_TRY(scene::check(function));
   return {};
@@ -78,11 +78,11 @@ scene::Mode mode_of_stored(scene::Mode mode, double scale) {
 }
 
 /// The physical values that rays may find in a channel.
-scene::ValueSpan values_of(const TreePlacement& placement, const scene::Visibility& visibility,
+scene::ValueSpan values_of(const tree::TreeDescription& tree, const scene::Visibility& visibility,
                            std::uint32_t channel) {
-  const ValueRange stored = visibility.widened(placement.ranges.channel[channel]);
-  const double a = placement.scale * double(stored.minimum) + placement.offset;
-  const double b = placement.scale * double(stored.maximum) + placement.offset;
+  const ValueRange stored = visibility.widened(tree.range_of_voxels(channel));
+  const double a = tree.scale * double(stored.minimum) + tree.offset;
+  const double b = tree.scale * double(stored.maximum) + tree.offset;
   if (!std::isfinite(a) || !std::isfinite(b)) return {};
   return {std::min(a, b), std::max(a, b)};
 }
@@ -97,10 +97,9 @@ FrameView::Extreme extreme_of(const scene::Visibility& visibility, ValueRange st
 }
 
 /// Of a voxel of the finest level, in the world.
-Vec3d spacing_of(const TreePlacement& placement) {
-  const double voxels =
-      nodes_across(placement.n, static_cast<std::uint32_t>(placement.max_level)) * placement.m;
-  const Affine3& place = placement.tree_to_world;
+Vec3d spacing_of(const tree::TreeDescription& tree) {
+  const double voxels = nodes_across(static_cast<int>(tree.n), tree.max_level) * tree.m;
+  const Affine3& place = tree.tree_to_world;
   return Vec3d(length(place.column[0]), length(place.column[1]), length(place.column[2])) / voxels;
 }
 
@@ -136,7 +135,7 @@ void set_gradient_lengths(FrameView& v) {
 
 }  // namespace
 
-std::uint32_t subrays_of(const View& view, const TreePlacement& placement) {
+std::uint32_t subrays_of(const View& view, const tree::TreeDescription& tree) {
   if (!scene::seeks_extreme(view.mode) || !view.level_of_detail) return 1;
   const auto fits = [&](std::uint32_t subrays) {
     constexpr std::uint64_t kMostRays = std::uint64_t(1) << 22;
@@ -152,40 +151,40 @@ std::uint32_t subrays_of(const View& view, const TreePlacement& placement) {
   if (!camera.ok()) return 1;  // Frame::make says what is wrong
   double cone = camera.value().pixel;
   if (!camera.value().orthographic) {
-    cone *= farthest(placement.extent, placement.tree_to_world, view.camera.eye_world());
+    cone *= farthest(tree.extent, tree.tree_to_world, view.camera.eye_world());
   }
-  return cone > view.detail * max_component(spacing_of(placement)) ? subrays : 1;
+  return cone > view.detail * max_component(spacing_of(tree)) ? subrays : 1;
 }
 
-Result<Frame> Frame::make(const exec::Device& device, const View& view, const TreePlacement& placement,
+Result<Frame> Frame::make(const exec::Device& device, const View& view, const tree::TreeDescription& tree,
                           const Frame* previous) {
-  GVX_TRY(check(view, placement));
-  GVX_CHECK(placement.max_level < kMaxLevels);
+  GVX_TRY(check(view, tree));
+  GVX_CHECK(tree.max_level < kMaxLevels);
+  const int n = static_cast<int>(tree.n), max_level = static_cast<int>(tree.max_level);
   Frame frame;
   FrameView& v = frame.view_;
   v.width = view.width * view.antialias;
   v.height = view.height * view.antialias;
   GVX_ASSIGN(v.camera, scene::make_view(view.camera, v.width, v.height));
-  v.world_to_tree = inverse(placement.tree_to_world);
-  const Vec3d size = placement.extent.maximum - placement.extent.minimum;
-  const Box3d clip{placement.extent.minimum + view.clip.minimum * size,
-                   placement.extent.minimum + view.clip.maximum * size};
-  const Box3d box = intersect(clip, placement.extent);
+  v.world_to_tree = inverse(tree.tree_to_world);
+  const Vec3d size = tree.extent.maximum - tree.extent.minimum;
+  const Box3d clip{tree.extent.minimum + view.clip.minimum * size,
+                   tree.extent.minimum + view.clip.maximum * size};
+  const Box3d box = intersect(clip, tree.extent);
   const Vec3dd eye = point(v.world_to_tree, view.camera.eye_world());
   v.box = {Vec3d(Vec3dd(box.minimum) - eye), Vec3d(Vec3dd(box.maximum) - eye)};
   v.root = -Vec3d(Vec3dd(floor(eye.x), floor(eye.y), floor(eye.z)));
-  frame.levels_ = upload(device, level_views(placement.n, placement.max_level, eye, box));
+  frame.levels_ = upload(device, level_views(n, max_level, eye, box));
   v.levels = frame.levels_.view().data;
-  v.format = placement.format;
+  v.format = tree.format;
 
-  const Vec3d spacing = spacing_of(placement);
+  const Vec3d spacing = spacing_of(tree);
   set_gradient_lengths(v);
   v.tick_world = min_component(spacing) / view.samples_per_voxel;
   v.voxels_per_step = static_cast<float>(1 / view.samples_per_voxel);
-  v.max_level = placement.max_level;
+  v.max_level = max_level;
   v.eye_tree = Vec3d(eye);
-  v.finest_voxel =
-      1 / (nodes_across(placement.n, static_cast<std::uint32_t>(placement.max_level)) * placement.m);
+  v.finest_voxel = 1 / (nodes_across(static_cast<int>(tree.n), tree.max_level) * tree.m);
   v.adds_noise = view.noise.has_value();
   if (view.noise) {
     v.noise = *view.noise;
@@ -200,7 +199,7 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
                                                         : 2;
   const double detail = finer * view.detail;
   double stride = 1;
-  for (int level = placement.max_level; level >= 0; --level, stride *= placement.n) {
+  for (int level = max_level; level >= 0; --level, stride *= n) {
     v.stride[level] = stride;
     v.gradient_scale[level] = static_cast<float>(1 / std::sqrt(std::min(stride, 4.0)));
     const double wide_enough = detail * max_component(spacing) * stride;
@@ -209,7 +208,7 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
         out_of_reach ? std::numeric_limits<double>::infinity() : wide_enough / v.camera.pixel;
     if (v.camera.orthographic && view.level_of_detail && wide_enough <= v.camera.pixel) {
       v.fixed_level = level;
-      const double coarser = wide_enough * placement.n;
+      const double coarser = wide_enough * n;
       const double share = (v.camera.pixel - wide_enough) / (coarser - wide_enough);
       v.fixed_blend = level > 0 ? static_cast<float>(std::min(share, 1.0)) : 0.0f;
     }
@@ -221,13 +220,13 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   v.units_per_tick = static_cast<float>(v.tick_world / unit);
   // A step of the finest level through the most opaque matter leaves less than RayMarcher looks at.
   const double most_extinction = std::clamp(8 * unit / v.tick_world, 16.0, 1e6);
-  v.visibility.mode = mode_of_stored(view.mode, placement.scale);
-  v.visibility.channels = placement.format.channels();
+  v.visibility.mode = mode_of_stored(view.mode, tree.scale);
+  v.visibility.channels = tree.format.channels();
   for (std::uint32_t c = 0; c < v.visibility.channels; ++c) {
     const scene::TransferFunction& function =
         view.functions.empty() ? none : view.functions[std::min<std::size_t>(c, view.functions.size() - 1)];
-    const scene::ValueSpan values = values_of(placement, v.visibility, c);
-    v.extreme[c] = extreme_of(v.visibility, placement.ranges.channel[c]);
+    const scene::ValueSpan values = values_of(tree, v.visibility, c);
+    v.extreme[c] = extreme_of(v.visibility, tree.range_of_voxels(c));
     std::shared_ptr<const Tables> tables;
     if (previous != nullptr && c < previous->tables_.size()) {
       const Tables& before = *previous->tables_[c];
@@ -236,7 +235,7 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
         tables = previous->tables_[c];
       }
     }
-    if (tables == nullptr) tables = make_tables(device, function, placement, values, most_extinction);
+    if (tables == nullptr) tables = make_tables(device, function, tree, values, most_extinction);
     v.visibility.functions[c] = tables->view;
     // Its inverse is a number, too.
     constexpr float kLeastGradient = 1e-36f;
@@ -246,10 +245,10 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
   v.classification = view.classification;
   // No step is longer than a voxel of the brick that it is in.
   v.blends_in_long_steps = v.classification == scene::Classification::preintegrated &&
-                           scalar_composite(view, placement) && !v.adds_noise &&
-                           static_cast<float>(placement.n) * v.voxels_per_step <= 1;
+                           scalar_composite(view, tree) && !v.adds_noise &&
+                           static_cast<float>(n) * v.voxels_per_step <= 1;
   const bool by_gradient = v.visibility.functions[0].gradient_factor != nullptr;
-  if (v.classification == scene::Classification::post && scalar_composite(view, placement) &&
+  if (v.classification == scene::Classification::post && scalar_composite(view, tree) &&
       v.visibility.channels == 1 && !by_gradient && !v.adds_noise && device.kind() == exec::DeviceKind::cpu) {
     const auto& before = previous != nullptr ? previous->steps_ : nullptr;
     const std::vector<double> strides(v.stride, v.stride + v.max_level + 1);
@@ -258,7 +257,7 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
     frame.steps_ = same ? before : make_steps(v, frame.tables_[0]);
     v.step_colors = frame.steps_->colors.data();
   }
-  v.visibility.isovalue = static_cast<float>((view.isovalue - placement.offset) / placement.scale);
+  v.visibility.isovalue = static_cast<float>((view.isovalue - tree.offset) / tree.scale);
   if (view.mode == scene::Mode::isosurface) v.iso_color = Vec3f(view.functions[0].color(view.isovalue));
   v.lighting = scene::place_lights(view.lighting, v.camera.forward, v.camera.right, v.camera.up);
   return frame;
@@ -266,16 +265,16 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const Tr
 
 std::shared_ptr<const Frame::Tables> Frame::make_tables(const exec::Device& device,
                                                         const scene::TransferFunction& function,
-                                                        const TreePlacement& placement,
+                                                        const tree::TreeDescription& tree,
                                                         scene::ValueSpan values, double most_extinction) {
   scene::TransferTable table;
-  switch (placement.format.content) {
+  switch (tree.format.content) {
     case VoxelContent::scalar:
-      table = scene::bake(function, placement.scale, placement.offset, most_extinction, values);
+      table = scene::bake(function, tree.scale, tree.offset, most_extinction, values);
       break;
     case VoxelContent::labels:
-      table = scene::bake_labels(function, placement.scale, placement.offset,
-                                 static_cast<std::uint32_t>(placement.ranges.channel[0].maximum) + 1);
+      table = scene::bake_labels(function, tree.scale, tree.offset,
+                                 static_cast<std::uint32_t>(tree.range_of_voxels(0).maximum) + 1);
       break;
     default:
       table = scene::bake_opacities();

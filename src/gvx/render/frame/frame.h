@@ -29,6 +29,7 @@
 #include "gvx/exec/device.h"
 #include "gvx/render/frame/level_view.h"
 #include "gvx/render/frame/view.h"
+#include "gvx/tree/tree_description.h"
 
 namespace gvx::render {
 
@@ -192,7 +193,7 @@ struct FrameView {
 /// greatest or the least values are sought and pixels are so wide, somewhere in the volume, that levels would
 /// be blended, what is thin and bright would lie between single rays: there it is kMostSubrays, or fewer
 /// where View::kMostAntialias or the size of the picture allows no more. Else 1.
-std::uint32_t subrays_of(const View& view, const TreePlacement& placement);
+std::uint32_t subrays_of(const View& view, const tree::TreeDescription& tree);
 inline constexpr std::uint32_t kMostSubrays = 4;
 
 /// Owns the tables behind a FrameView; frames of the same transfer functions share them.
@@ -200,7 +201,7 @@ class Frame {
  public:
   /// An error where the view cannot be made: a bad camera, function, clip box or size. `previous`, if not
   /// null, is a frame on the same device and tree whose tables are taken where they are the same.
-  static Result<Frame> make(const exec::Device& device, const View& view, const TreePlacement& placement,
+  static Result<Frame> make(const exec::Device& device, const View& view, const tree::TreeDescription& tree,
                             const Frame* previous = nullptr);
 
   FrameView view() const { return view_; }
@@ -229,7 +230,7 @@ class Frame {
                                                      std::shared_ptr<const Tables> tables);
   static std::shared_ptr<const Tables> make_tables(const exec::Device& device,
                                                    const scene::TransferFunction& function,
-                                                   const TreePlacement& placement, scene::ValueSpan values,
+                                                   const tree::TreeDescription& tree, scene::ValueSpan values,
                                                    double most_extinction);
 
   FrameView view_;

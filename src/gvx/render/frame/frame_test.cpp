@@ -15,8 +15,17 @@ View simple_view() {
   return view;
 }
 
+tree::TreeDescription tree_of(std::uint32_t n, std::uint32_t m, std::uint32_t max_level, double scale = 1) {
+  tree::TreeDescription tree;
+  tree.n = n;
+  tree.m = m;
+  tree.max_level = max_level;
+  tree.scale = scale;
+  return tree;
+}
+
 TEST(Frame, level_follows_the_cone) {
-  const TreePlacement tree{2, 16, 5, {}, {}, {{0, 0, 0}, {1, 1, 1}}, 1, 0, {}};
+  const tree::TreeDescription tree = tree_of(2, 16, 5);
   const Frame frame = Frame::make(exec::Device::cpu(), simple_view(), tree).value();
   const FrameView v = frame.view();
   const double finest_voxel = 1.0 / (16 * 32);
@@ -59,8 +68,8 @@ void expect_whole_steps(const FrameView& v, double enter, bool long_steps) {
 }
 
 TEST(Frame, zones_are_of_whole_steps) {
-  for (const int n : {2, 3}) {
-    const TreePlacement tree{n, 16, 4, {}, {}, {{0, 0, 0}, {1, 1, 1}}, 1, 0, {}};
+  for (const std::uint32_t n : {2u, 3u}) {
+    const tree::TreeDescription tree = tree_of(n, 16, 4);
     for (const double samples : {1.0, 2.0, 2.5, 3.0, 4.0}) {
       View view = simple_view();
       view.samples_per_voxel = samples;
@@ -68,7 +77,8 @@ TEST(Frame, zones_are_of_whole_steps) {
         view.classification = classification;
         const Frame frame = Frame::make(exec::Device::cpu(), view, tree).value();
         // No step may be longer than a voxel of the finer level.
-        const bool long_steps = classification == scene::Classification::preintegrated && samples >= n;
+        const bool long_steps =
+            classification == scene::Classification::preintegrated && samples >= double(n);
         EXPECT_EQ(frame.view().blends_in_long_steps, long_steps) << n << " " << samples;
         for (const double enter : {0.0, 0.37, 2.3}) expect_whole_steps(frame.view(), enter, long_steps);
       }
@@ -79,12 +89,12 @@ TEST(Frame, zones_are_of_whole_steps) {
 TEST(Frame, without_level_of_detail_all_is_finest) {
   View view = simple_view();
   view.level_of_detail = false;
-  const TreePlacement tree{3, 8, 4, {}, {}, {{0, 0, 0}, {1, 1, 1}}, 1, 0, {}};
+  const tree::TreeDescription tree = tree_of(3, 8, 4);
   EXPECT_EQ(Frame::make(exec::Device::cpu(), view, tree).value().view().zone_at(1e12, 0).level, 4);
 }
 
 TEST(Frame, greatest_values_from_afar_take_more_rays) {
-  const TreePlacement tree{2, 16, 5, {}, {}, {{0, 0, 0}, {1, 1, 1}}, 1, 0, {}};
+  const tree::TreeDescription tree = tree_of(2, 16, 5);
   const auto rays = [&](double distance, auto change) {
     View view = simple_view();
     view.width = view.height = 400;
@@ -116,7 +126,7 @@ TEST(Frame, a_negative_slope_turns_greatest_and_least_around) {
   const auto mode_of = [](scene::Mode mode, double scale) {
     View view = simple_view();
     view.mode = mode;
-    const TreePlacement tree{2, 16, 5, {}, {}, {{0, 0, 0}, {1, 1, 1}}, scale, 0, {}};
+    const tree::TreeDescription tree = tree_of(2, 16, 5, scale);
     return Frame::make(exec::Device::cpu(), view, tree).value().view().visibility.mode;
   };
   EXPECT_EQ(mode_of(scene::Mode::maximum, 2), scene::Mode::maximum);
@@ -126,7 +136,7 @@ TEST(Frame, a_negative_slope_turns_greatest_and_least_around) {
 }
 
 TEST(Frame, bad_views_are_errors) {
-  const TreePlacement tree;
+  const tree::TreeDescription tree;
   const auto fails = [&](auto change) {
     View view = simple_view();
     change(view);

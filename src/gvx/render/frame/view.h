@@ -1,5 +1,5 @@
 /// \file
-/// View: what to show of a volume, and how. TreePlacement: the shape of the volume's tree, and where it is.
+/// View: what to show of a volume, and how.
 #pragma once
 
 #include <cstdint>
@@ -51,17 +51,6 @@ struct View {
   std::optional<AddedNoise> noise = {};
 
   bool operator==(const View&) const = default;
-};
-
-/// What frames need to know of a tree. Tree space is the cube [0, 1]^3 of the root node.
-struct TreePlacement {
-  int n = 2, m = 16;  ///< children along an axis of a node; voxels along an axis of a brick
-  int max_level = 0;  ///< the finest
-  VoxelFormat format;
-  Affine3 tree_to_world;
-  Box3d extent{{0, 0, 0}, {1, 1, 1}};  ///< the part of tree space that holds the volume
-  double scale = 1, offset = 0;        ///< physical value = scale * stored value + offset
-  ChannelRanges ranges;                ///< of all stored values
 };
 
 }  // namespace gvx::render

@@ -11,7 +11,7 @@
 namespace gvx::render {
 
 inline WalkView walk_view_of(const Pass& pass) {
-  return {pass.frame, pass.nodes, pass.tile_usage, pass.brick_usage, pass.requests, pass.number};
+  return {pass.frame, pass.nodes, pass.hidden, pass.tile_usage, pass.brick_usage, pass.requests, pass.number};
 }
 
 /// Calls function(std::integral_constant<int, M>) for a brick's edge.

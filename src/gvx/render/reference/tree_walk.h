@@ -9,6 +9,7 @@
 #include "gvx/cache/request_marks.h"
 #include "gvx/cache/usage_list.h"
 #include "gvx/render/frame/frame.h"
+#include "gvx/tree/hidden_nodes.h"
 #include "gvx/tree/node_pool.h"
 
 namespace gvx::render {
@@ -17,6 +18,7 @@ namespace gvx::render {
 struct WalkView {
   FrameView frame;
   tree::NodePoolView nodes;
+  tree::HiddenNodesView hidden;
   cache::UsageView tile_usage, brick_usage;
   cache::RequestView requests;
   std::uint32_t pass = 0;
@@ -127,11 +129,11 @@ class TreeWalk {
     while (true) {
       view_.tile_usage.touch(tile, view_.pass);
       place.node = NodeIndex(tile * (N * N * N) + index);
-      const tree::ChildWord child = nodes.child[place.node.value];
-      if (child.transparent() || outdone(place.node)) {
+      if (view_.hidden.at(tile, index) || outdone(place.node)) {
         place.kind = Place::transparent;
         return place;
       }
+      const tree::ChildWord child = nodes.child[place.node.value];
       const tree::ContentWord content = nodes.content[place.node.value];
       if (content.kind() == tree::ContentKind::constant) {
         place.kind = Place::constant;

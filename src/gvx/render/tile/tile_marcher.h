@@ -128,7 +128,7 @@ class TileMarcher {
     const ActiveRays begun = active_;
     At root;
     root.cell = view_.frame.root;
-    if (left_ > 0) visit(root, TileRect());
+    if (left_ > 0 && !view_.hidden.at(0, 0)) visit(root, TileRect());
     if (projects_ && !stopped_) {
       begun.for_each([&](std::uint32_t ray) {
         if (!blocked_.has(ray)) finish_projecting(ray);
@@ -252,7 +252,6 @@ class TileMarcher {
   void visit(const At& at, const TileRect& rect) {
     const FrameView& frame = view_.frame;
     const tree::ChildWord child = view_.nodes.child[at.node.value];
-    if (child.transparent()) return;
     const LevelView& level = frame.levels[at.level];
     const NodeBox box{level.corner(at.cell), level.corner(at.cell + Vec3d(1))};
     for (int axis = 0; axis < 3; ++axis) {
@@ -311,6 +310,7 @@ class TileMarcher {
       for (const int y : order[1]) {
         for (const int x : order[0]) {
           const auto index = static_cast<std::uint32_t>(x + N * (y + N * z));
+          if (view_.hidden.at(tile.value, index)) continue;
           TileRect met = rects[index];
           met = {std::max(met.x0, rect.x0), std::min(met.x1, rect.x1), std::max(met.y0, rect.y0),
                  std::min(met.y1, rect.y1)};
