@@ -195,21 +195,23 @@ void Engine::cut_rays() {
 
 render::Pass Engine::pass(const render::Frame& frame) {
   const produce::TreeDescription& tree = producer_->description();
-  render::Pass pass;
-  pass.n = tree.n;
-  pass.m = tree.m;
-  pass.frame = frame.view();
+  render::ObjectView& object = object_;
+  object.n = tree.n;
+  object.m = tree.m;
+  object.frame = frame.view();
   const bool of_this_view = &frame == &*frame_ || (moving_frame_ && &frame == &*moving_frame_);
-  if (of_this_view && spans_.size() > 0) pass.frame.proxy = spans_.view().data;
-  pass.nodes = residency_.nodes().view();
-  pass.hidden = look_.hidden();
-  pass.bricks = residency_.bricks().bytes();
-  pass.tile_usage = residency_.tile_usage();
-  pass.brick_usage = residency_.brick_usage();
-  pass.requests = residency_.requests();
+  if (of_this_view && spans_.size() > 0) object.frame.proxy = spans_.view().data;
+  object.nodes = residency_.nodes().view();
+  object.hidden = look_.hidden();
+  object.bricks = residency_.bricks().bytes();
+  object.tile_usage = residency_.tile_usage();
+  object.brick_usage = residency_.brick_usage();
+  object.requests = residency_.requests();
+  render::Pass pass;
+  pass.objects = {&object_, 1};
   pass.number = stamp_;
   pass.lone_ray = lone_ray_;
-  pass.cells = look_.cells();
+  object.cells = look_.cells();
   pass.one_ray_at_a_time = one_ray_at_a_time_;
   pass.epoch = film_->epoch();
   pass.blank_tiles = film_->blank_tiles();
@@ -656,14 +658,14 @@ void Engine::write_depth(const render::PictureRows<float>& depth) {
   const std::uint32_t width = view_->width, rays = view_->antialias;
   const std::size_t stride = depth.stride > 0 ? depth.stride : width;
   const render::Pass all = pass(moving_frame_ ? *moving_frame_ : *frame_);
-  const scene::CameraView& camera = all.frame.camera;
+  const scene::CameraView& camera = all.object().frame.camera;
   exec::parallel_for(host(), view_->height, [&](std::size_t y) {
     for (std::uint32_t x = 0; x < width; ++x) {
       double along_view = INFINITY;
       if (film_->opacity(rays, x, static_cast<std::uint32_t>(y)) >= kHalf) {
         const auto middle = [&](double pixel) { return pixel * rays + 0.5 * (rays - 1); };
         const double ray_x = middle(x), ray_y = middle(static_cast<double>(y));
-        const double distance = render::distance_to(all, ray_x, ray_y, kHalf);
+        const double distance = render::reach(all, ray_x, ray_y, kHalf).distance;
         along_view = distance * dot(camera.pixel_ray_from_eye(ray_x, ray_y).direction, camera.forward);
       }
       depth.values[y * stride + x] = static_cast<float>(along_view);

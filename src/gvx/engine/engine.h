@@ -145,6 +145,7 @@ class Engine {
   PreviewPace pace_;
   bool shows_something_ = false;  // a first stage of this view was drawn
   bool judged_ = true;            // this view's first frame has ended, or its camera does not move
+  render::ObjectView object_;     // of the last pass
   std::optional<render::Film> film_;
   std::vector<std::uint32_t> unfinished_tiles_;
   exec::Buffer<std::uint32_t> tile_list_, tile_flags_;
