@@ -213,24 +213,27 @@ void expect_previews_alike(const TestScene& scene, const std::string& what) {
     const exec::TileGrid grid{(width + block - 1) / block, (height + block - 1) / block, 8};
     exec::Buffer<std::uint32_t> tiles(cpu, grid.tiles());
     for (std::uint32_t t = 0; t < grid.tiles(); ++t) tiles.view()[t] = t;
+    render::ObjectView object;
+    object.n = tree.n;
+    object.m = tree.m;
+    object.frame = frame.view();
+    object.nodes = residency.nodes().view();
+    object.bricks = residency.bricks().bytes();
+    object.tile_usage = residency.tile_usage();
+    object.brick_usage = residency.brick_usage();
+    object.requests = residency.requests();
+    object.hidden = look.hidden();
+    object.cells = look.cells();
     render::Pass pass;
-    pass.n = tree.n;
-    pass.m = tree.m;
-    pass.frame = frame.view();
-    pass.nodes = residency.nodes().view();
-    pass.bricks = residency.bricks().bytes();
-    pass.tile_usage = residency.tile_usage();
-    pass.brick_usage = residency.brick_usage();
-    pass.requests = residency.requests();
-    pass.hidden = look.hidden();
-    pass.cells = look.cells();
+    pass.objects = {&object, 1};
     pass.number = number;
     pass.epoch = 1;
     std::vector<produce::ElementKey> elements[2];
     for (const bool one_ray : {true, false}) {
       pass.one_ray_at_a_time = one_ray;
-      EXPECT_TRUE(render::march_preview(cpu, pass, grid, tiles.view(), exec::no_deadline(), block, number,
-                                        rays.view(), (one_ray ? plain : vectors).view()));
+      const render::TilesMarch march{pass, grid, tiles.view(), exec::no_deadline()};
+      exec::Buffer<render::PreviewPixel>& pixels = one_ray ? plain : vectors;
+      EXPECT_TRUE(render::march_preview(cpu, {march, block, number, rays.view(), pixels.view()}));
       for (const engine::Lacking& l : residency.collect(number, number))
         elements[one_ray ? 0 : 1].push_back(l.element);
     }

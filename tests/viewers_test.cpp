@@ -72,9 +72,9 @@ TEST(Viewers, with_other_functions_and_cameras_see_what_they_see_alone) {
   for (const auto& pools :
        {std::optional<PoolSizes>{}, std::optional(PoolSizes{60, 24})}) {
     const Shared shared(scene, pools);
-    Viewer first(shared.cache, shared.volume), second(shared.cache, shared.volume);
-    ASSERT_TRUE(first.look(skin).ok());
-    ASSERT_TRUE(second.look(dense).ok());
+    Viewer first(shared.cache), second(shared.cache);
+    ASSERT_TRUE(first.look(skin, shared.volume).ok());
+    ASSERT_TRUE(second.look(dense, shared.volume).ok());
     // By turns, frame by frame, and then to the end.
     for (int frame = 0; frame < 4; ++frame) {
       ASSERT_TRUE(first.render_for(1ms).ok());
@@ -100,12 +100,12 @@ void expect_pictures_as_alone(const PoolSizes& pools, std::uint32_t seed, int lo
   for (std::uint32_t v = 0; v < kViewers; ++v) {
     threads.emplace_back([&, v] {
       std::mt19937 generator(seed + v);
-      Viewer viewer(shared.cache, shared.volume);
+      Viewer viewer(shared.cache);
       for (int look = 0; look < looks && statuses[v].ok(); ++look) {
         views[v] = random_view(scene, generator);
         views[v].width /= smaller;
         views[v].height /= smaller;
-        statuses[v] = viewer.look(views[v]);
+        statuses[v] = viewer.look(views[v], shared.volume);
         if (statuses[v].ok() && generator() % 2 == 0) statuses[v] = viewer.render_for(2ms);
       }
       if (statuses[v].ok()) statuses[v] = viewer.render_exact();
@@ -135,13 +135,13 @@ TEST(Viewers, eight_at_random_see_what_they_see_alone_where_memory_is_tiny) {
 TEST(Viewers, what_one_has_loaded_the_other_need_not) {
   const TestScene scene = two_viewers_scene();
   const Shared shared(scene, std::nullopt);
-  Viewer first(shared.cache, shared.volume), second(shared.cache, shared.volume);
-  ASSERT_TRUE(first.look(scene.view).ok());
+  Viewer first(shared.cache), second(shared.cache);
+  ASSERT_TRUE(first.look(scene.view, shared.volume).ok());
   ASSERT_TRUE(first.render_exact().ok());
   EXPECT_GT(first.statistics().bricks_produced, 20u);
   render::View larger = scene.view;
   larger.background = {1, 1, 1};
-  ASSERT_TRUE(second.look(larger).ok());
+  ASSERT_TRUE(second.look(larger, shared.volume).ok());
   ASSERT_TRUE(second.render_exact().ok());
   EXPECT_EQ(second.statistics().bricks_produced, 0u);
   EXPECT_EQ(shared.cache->open(shared.volume->producer()).value(), shared.volume);
@@ -173,9 +173,9 @@ TEST(Viewers, an_error_is_told_to_the_one_that_it_concerns) {
   // Beside the middle, so that no brick of the left half is blended in.
   right.clip.minimum.x = 0.8;
   right.level_of_detail = left.level_of_detail = false;
-  Viewer broken(cache, volume), whole(cache, volume);
-  ASSERT_TRUE(broken.look(left).ok());
-  ASSERT_TRUE(whole.look(right).ok());
+  Viewer broken(cache), whole(cache);
+  ASSERT_TRUE(broken.look(left, volume).ok());
+  ASSERT_TRUE(whole.look(right, volume).ok());
   const Status failed = broken.render_exact();
   ASSERT_FALSE(failed.ok());
   EXPECT_EQ(failed.error().message, "the left half is broken");
@@ -186,7 +186,7 @@ TEST(Viewers, an_error_is_told_to_the_one_that_it_concerns) {
 TEST(Viewers, without_a_view_there_is_an_error_and_an_empty_picture) {
   const TestScene scene = two_viewers_scene();
   const Shared shared(scene, std::nullopt);
-  Viewer viewer(shared.cache, shared.volume);
+  Viewer viewer(shared.cache);
   EXPECT_EQ(viewer.render_exact().error().message, "picture: there is no view yet: call look() first");
   EXPECT_FALSE(viewer.render_for(1ms).ok());
   EXPECT_FALSE(viewer.picture(render::PictureTarget{}).ok());

@@ -46,7 +46,7 @@ class Engine {
                                                 const EngineOptions& options);
 
   /// What these do is said in viewer.h.
-  Status look(const render::View& view) { return viewer_.look(view); }
+  Status look(const render::View& view) { return viewer_.look(view, volume_); }
   Status render_exact(const RayProgress& progress = {}) { return viewer_.render_exact(progress); }
   Status render_for(std::chrono::nanoseconds budget) { return viewer_.render_for(budget); }
   bool converged() const { return viewer_.converged(); }
@@ -54,14 +54,15 @@ class Engine {
   Status picture(const render::PictureTarget& target) { return viewer_.picture(target); }
   Statistics statistics() const { return viewer_.statistics(); }
 
-  const produce::TreeDescription& tree() const { return viewer_.volume().tree(); }
+  const produce::TreeDescription& tree() const { return volume_->tree(); }
   /// For tests.
-  const Residency& residency() const { return viewer_.volume().residency(); }
+  const Residency& residency() const { return volume_->residency(); }
 
  private:
   Engine(std::shared_ptr<Cache> cache, std::shared_ptr<Volume> volume, const ViewerOptions& options)
-      : viewer_(std::move(cache), std::move(volume), options) {}
+      : volume_(std::move(volume)), viewer_(std::move(cache), options) {}
 
+  std::shared_ptr<Volume> volume_;
   Viewer viewer_;
 };
 

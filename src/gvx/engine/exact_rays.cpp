@@ -53,8 +53,8 @@ void ExactRays::march(render::Film& film, render::Pass pass, const Parts& parts)
     const auto last = first + static_cast<std::ptrdiff_t>(count);
     std::copy(first, last, list_.view().begin());
     for (auto tile = first; tile != last; ++tile) flags_.view()[*tile] = 0;
-    if (!render::march_exact(device_, pass, film.grid(), {list_.view().data, count}, parts.deadline,
-                             film.rays(), flags_.view())) {
+    const render::TilesMarch tiles{pass, film.grid(), {list_.view().data, count}, parts.deadline};
+    if (!render::march_exact(device_, {tiles, film.rays(), flags_.view()})) {
       return;  // some flags were not set; finished rays cost little the next time
     }
     const auto kept =

@@ -39,8 +39,8 @@ bool PreviewRays::draw(render::Film& film, const render::Pass& pass, exec::Deadl
   const exec::TileGrid grid{(rays.width + block_ - 1) / block_, (rays.height + block_ - 1) / block_, 8};
   const std::uint32_t count = std::min(kTilesAtOnce, grid.tiles() - tile_);
   std::iota(list_.view().begin(), list_.view().begin() + count, tile_);
-  if (!render::march_preview(device_, pass, grid, {list_.view().data, count}, deadline, block_, generation_,
-                             film.rays(), film.preview())) {
+  const render::TilesMarch tiles{pass, grid, {list_.view().data, count}, deadline};
+  if (!render::march_preview(device_, {tiles, block_, generation_, film.rays(), film.preview()})) {
     return false;  // what was drawn of them is not drawn again
   }
   tile_ += count;

@@ -122,6 +122,8 @@ class Residency {
   /// Requested nodes in the last collect().
   std::uint64_t requested() const { return requested_; }
   std::uint64_t resident_bricks() const { return brick_slots_.size(); }
+  /// Slots that nothing is in.
+  std::uint64_t free_bricks() const { return brick_slots_.slots() - brick_slots_.withheld() - resident_bricks(); }
   std::uint64_t resident_nodes() const { return tile_slots_.size() * nodes_.nodes_per_tile() + 1; }
 
   /// Checks every pointer, map and list against each other; aborts where they disagree. For tests.

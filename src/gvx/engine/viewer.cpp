@@ -1,7 +1,6 @@
 #include "gvx/engine/viewer.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <new>
 #include <string>
@@ -29,58 +28,52 @@ constexpr std::chrono::milliseconds kTurn(20);
 
 const Error kNoView{"picture: there is no view yet: call look() first"};
 
-bool sees_otherwise(const render::View& before, const render::View& now) {
-  return !(before.functions == now.functions) || before.mode != now.mode || before.isovalue != now.isovalue ||
-         before.classification != now.classification || before.noise != now.noise;
-}
-
 }  // namespace
 
-Viewer::Viewer(std::shared_ptr<Cache> cache, std::shared_ptr<Volume> volume, const ViewerOptions& options)
-    : cache_(std::move(cache)),
-      volume_(std::move(volume)),
-      options_(options),
-      client_(cache_->add_client()),
-      look_(cache_->device(), volume_->residency().nodes().tiles(), volume_->residency().bricks().slots()) {
-  const exec::FairMutex::Turn turn = cache_->take_turn();
-  volume_->residency().attach(look_);
-}
+Viewer::Viewer(std::shared_ptr<Cache> cache, const ViewerOptions& options)
+    : cache_(std::move(cache)), options_(options), client_(cache_->add_client()) {}
 
 Viewer::~Viewer() {
   {
     const exec::FairMutex::Turn turn = cache_->take_turn();
-    volume_->residency().detach(look_);
+    seen_.end();
   }
-  volume_.reset();
   cache_->remove_client(client_);
 }
 
-Status Viewer::look(const render::View& asked) {
-  render::View view = asked;
-  view.subrays = render::subrays_of(asked, volume_->tree());
-  view.antialias *= view.subrays;
-  if (view_ && *view_ == view) return {};
-  GVX_ASSIGN(auto frame,
-             render::Frame::make(cache_->device(), view, volume_->tree(), frame_ ? &*frame_ : nullptr));
+Status Viewer::look(const render::View& view, const std::shared_ptr<Volume>& volume) {
+  if (volume == nullptr) return Error{"volume: none given"};
+  render::View asked = view;
+  asked.subrays = render::subrays_of(view, volume->tree());
+  asked.antialias *= asked.subrays;
+  const bool same = view_ && *view_ == asked && world().objects().size() == 1 &&
+                    world().objects()[0].volume == volume && world().objects()[0].shown == asked;
+  if (same) return {};
+  GVX_ASSIGN(auto world, World::make({{volume, {}, asked}}));
+  return look(asked, std::move(world));
+}
+
+Status Viewer::look(const render::View& view, std::shared_ptr<const World> world) {
+  if (world == nullptr) return Error{"world: none given"};
+  GVX_TRY(render::check_objects(cache_->device(), world->objects().size()));
+  if (view_ && *view_ == view && seen_.shared_world() == world) return {};
+  GVX_ASSIGN(auto frames,
+             WorldFrames::make(cache_->device(), view, *world, frames_ ? &*frames_ : nullptr));
   const bool other_size = !view_ || view_->width != view.width || view_->height != view.height ||
                           view_->antialias != view.antialias;
   if (other_size) GVX_TRY(make_film(view));
-  const bool otherwise = !view_ || sees_otherwise(*view_, view);
-  frame_ = std::move(frame);
   ahead_.view_changed(view_, view);
-  view_ = view;
-  GVX_TRY(look_coarsely());
-  cut_rays();
+  if (view_ && seen_.shared_world() != world && !(view_->sees_like(view) && world->objects().size() == 1)) ahead_.stop();
   {
     const exec::FairMutex::Turn turn = cache_->take_turn();
-    if (otherwise) {
-      volume_->residency().set_visibility(look_, frame_->view().visibility);
-    } else {
-      look_.move_tables(frame_->view().visibility);
-    }
+    seen_.see(cache_->device(), std::move(world), frames);
     cache_->want(*client_, produce::Tier::ahead, {});
     client_->eviction = Eviction::unused;
   }
+  frames_ = std::move(frames);
+  view_ = view;
+  GVX_TRY(look_coarsely());
+  cut_rays();
   film_->clear();
   exact_->begin(*film_);
   crowded_ = false;
@@ -109,27 +102,29 @@ Status Viewer::make_film(const render::View& view) {
 
 /// A moving camera's previews are of coarser levels where the ones before did not come to an end.
 Status Viewer::look_coarsely() {
-  moving_frame_.reset();
+  moving_frames_.reset();
   judged_ = !ahead_.moving();
   const double bias = pace_.level_bias();
   if (judged_ || !(bias > 0)) return {};
   render::View coarse = *view_;
   coarse.detail = std::max(coarse.detail * std::exp2(-bias), render::View::kLeastDetail);
-  GVX_ASSIGN(auto frame, render::Frame::make(cache_->device(), coarse, volume_->tree(), &*frame_));
-  moving_frame_ = std::move(frame);
+  GVX_ASSIGN(auto frames, WorldFrames::make(cache_->device(), coarse, world(), &*frames_));
+  moving_frames_ = std::move(frames);
   moving_bias_ = bias;
   return {};
 }
 
 /// Finds what the proxy leaves of this view's rays.
 void Viewer::cut_rays() {
-  const bool cuts = view_->mode == scene::Mode::composite || view_->mode == scene::Mode::isosurface;
+  const scene::Mode mode = world().objects()[0].shown.mode;
+  const bool cuts = world().objects().size() == 1 &&
+                    (mode == scene::Mode::composite || mode == scene::Mode::isosurface);
   const std::shared_ptr<const produce::Proxy>& proxy = options_.proxy;
   if (proxy == nullptr || !cuts) {
     spans_ = {};
     return;
   }
-  const render::FrameView frame = frame_->view();
+  const render::FrameView frame = frames_->frame(0).view();
   const std::size_t rays = std::size_t(frame.width) * frame.height;
   if (spans_.size() != rays) spans_ = exec::Buffer<RayInterval>(cache_->device(), rays);
   const bool one_eye = !frame.camera.orthographic, eye_inside = one_eye && proxy->inside(frame.eye_tree);
@@ -144,26 +139,33 @@ void Viewer::cut_rays() {
   });
 }
 
-render::Pass Viewer::pass(const render::Frame& frame) {
-  Residency& residency = volume_->residency();
+render::Pass Viewer::pass(const WorldFrames& frames) {
+  const bool of_this_view =
+      frames.id() == frames_->id() || (moving_frames_ && frames.id() == moving_frames_->id());
   render::Pass pass;
-  pass.n = volume_->tree().n;
-  pass.m = volume_->tree().m;
-  pass.frame = frame.view();
-  const bool of_this_view = &frame == &*frame_ || (moving_frame_ && &frame == &*moving_frame_);
-  if (of_this_view && spans_.size() > 0) pass.frame.proxy = spans_.view().data;
-  pass.nodes = residency.nodes().view();
-  pass.hidden = look_.hidden();
-  pass.bricks = residency.bricks().bytes();
-  pass.tile_usage = residency.tile_usage();
-  pass.brick_usage = residency.brick_usage();
-  pass.requests = residency.requests();
+  pass.objects = seen_.views(frames, of_this_view && spans_.size() > 0 ? spans_.view().data : nullptr);
+  pass.object_tiles = seen_.tiles(frames);
   pass.number = client_->pass;
-  pass.cells = look_.cells();
   pass.one_ray_at_a_time = options_.one_ray_at_a_time;
   pass.epoch = film_->epoch();
   pass.blank_tiles = film_->blank_tiles();
   return pass;
+}
+
+int Viewer::levels() const {
+  std::uint32_t most = 0;
+  for (const Volume* volume : world().volumes()) most = std::max(most, volume->tree().max_level);
+  return static_cast<int>(most) + 1;
+}
+
+Status Viewer::out_of_memory() const {
+  std::uint64_t tiles = 0, bricks = 0;
+  for (const Volume* volume : world().volumes()) {
+    tiles += volume->residency().nodes().tiles();
+    bricks += volume->residency().bricks().slots() - volume->residency().withheld_bricks();
+  }
+  return Error{"memory: " + std::to_string(tiles) + " node tiles and " + std::to_string(bricks) +
+               " bricks do not hold what one ray needs"};
 }
 
 void Viewer::begin_frame() {
@@ -192,7 +194,7 @@ void Viewer::march_exactly(exec::Deadline deadline, const RayProgress& progress)
       return true;
     };
   }
-  exact_->march(*film_, pass(*frame_), parts);
+  exact_->march(*film_, pass(*frames_), parts);
 }
 
 void Viewer::report(const RayProgress& progress) {
@@ -207,8 +209,8 @@ void Viewer::report(const RayProgress& progress) {
 /// at a time; where even one tile of them does, what is in use may be pushed out: they have passed it.
 void Viewer::ask() {
   const TimeSum::Span committing(committing_);
-  const std::array<Volume*, 1> volumes = {volume_.get()};
-  const std::vector<produce::ElementKey> lacking = cache_->collect(*client_, volumes, statistics_.requests);
+  const std::vector<produce::ElementKey> lacking =
+      cache_->collect(*client_, world().volumes(), statistics_.requests);
   std::vector<produce::ElementKey> elements = lacking;
   client_->eviction = Eviction::unused;
   crowded_ = cache_->limit_to_room(elements, client_->eviction);
@@ -257,11 +259,7 @@ Status Viewer::render_exact(const RayProgress& progress) {
     march_exactly(exec::no_deadline(), progress);               // render
     ask();                                                      // collect
     const bool came_on = exact_->came_on(*film_, levels());
-    if (exact_->hopeless(levels())) {
-      const Residency& residency = volume_->residency();
-      return Error{"memory: " + std::to_string(residency.nodes().tiles()) + " node tiles and " +
-                   std::to_string(residency.bricks().slots()) + " bricks do not hold what one ray needs"};
-    }
+    if (exact_->hopeless(levels())) return out_of_memory();
     // Rays that push out what is in use keep their turn until one has come on, and where memory is scarce
     // what came is used before it is another's turn: else viewers could take from each other what they need,
     // for ever.
@@ -290,7 +288,7 @@ Status Viewer::draw_coarsely(std::chrono::nanoseconds budget, exec::Deadline dea
     {
       const TimeSum::Span marching(marching_);
       ++statistics_.passes;
-      if (!preview_->draw_stage(*film_, pass(shown_frame()), deadline)) return {};
+      if (!preview_->draw_stage(*film_, pass(shown_frames()), deadline)) return {};
     }
     ask();
     GVX_TRY(commit());
@@ -302,14 +300,20 @@ Status Viewer::draw_coarsely(std::chrono::nanoseconds budget, exec::Deadline dea
   return {};
 }
 
-/// Has the root's brick made where a preview would have nothing else to show.
-Status Viewer::show_root(exec::FairMutex::Turn& turn) {
-  Residency& residency = volume_->residency();
-  if (look_.hides(residency.nodes().ranges(tree::NodePool::root()))) return {};
-  const auto root = residency.ask_for_root();
-  if (!root) return {};
+/// Has the roots' bricks made where a preview would have nothing else to show.
+Status Viewer::show_roots(exec::FairMutex::Turn& turn) {
+  std::vector<produce::ElementKey> roots;
+  for (std::size_t i = 0; i < frames_->size(); ++i) {
+    const std::size_t object = frames_->object(i);
+    Residency& residency = world().objects()[object].volume->residency();
+    if (seen_.look(object).hides(residency.nodes().ranges(tree::NodePool::root()))) continue;
+    const auto root = residency.ask_for_root();
+    if (root && std::find(roots.begin(), roots.end(), *root) == roots.end()) roots.push_back(*root);
+  }
+  if (roots.empty()) return {};
   client_->eviction = Eviction::any;
-  cache_->want(*client_, produce::Tier::visible, {*root});
+  cache_->limit_to_room(roots, Eviction::any);
+  cache_->want(*client_, produce::Tier::visible, roots);
   while (!cache_->idle(*client_)) GVX_TRY(wait(turn, exec::no_deadline(), false));
   return {};
 }
@@ -319,7 +323,7 @@ Status Viewer::render_for(std::chrono::nanoseconds budget) {
   exec::FairMutex::Turn turn = cache_->take_turn();
   begin_frame();
   begin_pass();
-  GVX_TRY(show_root(turn));
+  GVX_TRY(show_roots(turn));
   GVX_TRY(commit());
   const exec::Deadline deadline = timer_.deadline(budget);
   // A picture at rest that is drawn already is refreshed with what came since, for a part of the time; not
@@ -346,12 +350,12 @@ Status Viewer::render_for(std::chrono::nanoseconds budget) {
   do {
     {
       const TimeSum::Span marching(marching_);
-      preview_->draw_until(*film_, pass(shown_frame()),
+      preview_->draw_until(*film_, pass(shown_frames()),
                            preview_at_rest_ ? refresh_deadline : deadline);  // render
     }
     if (preview_->block() < PreviewPace::kRestBlock) preview_at_rest_ = true;
     if (preview_at_rest_) {
-      moving_frame_.reset();
+      moving_frames_.reset();
       march_exactly(deadline, {});
     }
     ask();                                                     // collect
@@ -369,7 +373,7 @@ Status Viewer::render_for(std::chrono::nanoseconds budget) {
     pace_.frame_ended(preview_->block(), options_.adapt_levels);
   }
   judged_ = true;
-  statistics_.level_bias = moving_frame_ ? moving_bias_ : 0;
+  statistics_.level_bias = moving_frames_ ? moving_bias_ : 0;
   statistics_.frame_milliseconds = timer_.milliseconds();
   if (exact_->finished()) cache_->rest(*client_);
   return {};
@@ -381,29 +385,34 @@ void Viewer::prefetch(exec::Deadline deadline) {
   if (!options_.prefetch || !ahead_.moving() || crowded_ || !exact_->all_run() || exec::late(deadline)) return;
   const auto view = ahead_.next(*view_);
   if (!view) return;
-  const auto frame = render::Frame::make(cache_->device(), *view, volume_->tree(), &*frame_);
-  if (!frame.ok()) return ahead_.stop();  // there the camera will not be
+  const auto frames = WorldFrames::make(cache_->device(), *view, world(), &*frames_);
+  if (!frames.ok()) return ahead_.stop();  // there the camera will not be
+  // What comes into sight there is looked at when it does.
+  for (std::size_t i = 0; i < frames.value().size(); ++i) {
+    if (!seen_.looks_at(frames.value().object(i))) return;
+  }
   const exec::TileGrid large{film_->grid().width, film_->grid().height, 32};
   const auto picture = ahead_.picture(cache_->device(), *view, large.tiles());
   if (!picture) return;
-  render::Pass ahead = pass(frame.value());
+  render::Pass ahead = pass(frames.value());
   ahead.epoch = picture->film->epoch();
   ahead.blank_tiles = {};
   bool drawn = false;
   {
     const TimeSum::Span marching(marching_);
-    drawn = render::march_preview(cache_->device(), ahead, picture->grid, picture->tiles, deadline, 1, 1,
-                                  picture->film->rays(), picture->film->preview());
+    const render::TilesMarch tiles{ahead, picture->grid, picture->tiles, deadline};
+    drawn = render::march_preview(cache_->device(),
+                                  {tiles, 1, 1, picture->film->rays(), picture->film->preview()});
   }
   const TimeSum::Span committing(committing_);
-  const std::array<Volume*, 1> volumes = {volume_.get()};
   std::uint64_t ignored = 0;
-  std::vector<produce::ElementKey> elements = cache_->collect(*client_, volumes, ignored);
+  std::vector<produce::ElementKey> elements = cache_->collect(*client_, world().volumes(), ignored);
   if (elements.empty() && drawn) ahead_.stop();
   if (elements.empty()) return;
   cache_->limit_to_room(elements, Eviction::unused);
   if (!rays_marched_) {  // and touched what they see: only room that nothing is in may be taken
-    const std::size_t free = volume_->residency().bricks().slots() - volume_->residency().resident_bricks();
+    std::size_t free = 0;
+    for (const Volume* volume : world().volumes()) free += volume->residency().free_bricks();
     if (elements.size() > free) elements.resize(free);
   }
   client_->eviction = Eviction::unused;
@@ -413,22 +422,24 @@ void Viewer::prefetch(exec::Deadline deadline) {
 Statistics Viewer::statistics() const {
   Statistics s = statistics_;
   const render::FilmTotals totals = film_ ? film_->totals() : render::FilmTotals{};
-  {
+  produce::ProductionTimes times;
+  for (const Volume* volume : view_ ? world().volumes() : std::span<Volume* const>()) {
     const exec::FairMutex::Turn turn = cache_->take_turn();
-    s.bricks_resident = volume_->residency().resident_bricks();
-    s.nodes_resident = volume_->residency().resident_nodes();
-    s.bricks_beyond_bounds = volume_->broken_bounds();
-    s.bricks_produced = client_->bricks_made;
-    s.bricks_evicted = client_->bricks_evicted;
+    s.bricks_resident += volume->residency().resident_bricks();
+    s.nodes_resident += volume->residency().resident_nodes();
+    s.bricks_beyond_bounds += volume->broken_bounds();
+    s.bytes_read += volume->producer()->bytes_read();
+    times.reading_milliseconds += volume->producer()->times().reading_milliseconds;
+    times.decoding_milliseconds += volume->producer()->times().decoding_milliseconds;
   }
-  s.bytes_read = volume_->producer()->bytes_read();
+  s.bricks_produced = client_->bricks_made;
+  s.bricks_evicted = client_->bricks_evicted;
   s.samples = totals.samples;
   s.converged = converged();
   const double wanted = static_cast<double>(std::max<std::uint64_t>(totals.wanted, 1));
   s.resident_share = s.converged ? 1.0 : static_cast<double>(totals.resident) / wanted;
   s.worst_lack = s.converged ? 0 : totals.worst_lack;
   s.peak_memory_bytes = peak_memory_bytes();
-  const produce::ProductionTimes times = volume_->producer()->times();
   s.stages = {.reading = times.reading_milliseconds,
               .decoding = times.decoding_milliseconds,
               .producing = cache_->making_milliseconds(),
@@ -454,7 +465,9 @@ render::Picture Viewer::picture() const {
 Status Viewer::picture(const render::PictureTarget& target) {
   if (!film_) return kNoView;
   GVX_TRY(render::check(target, view_->width, view_->height));
-  const bool deep = view_->mode == scene::Mode::composite || view_->mode == scene::Mode::isosurface;
+  const bool deep = std::all_of(world().objects().begin(), world().objects().end(), [](const Object& object) {
+    return object.shown.mode == scene::Mode::composite || object.shown.mode == scene::Mode::isosurface;
+  });
   if (!target.depth.values.empty() && !deep) {
     return Error{"picture: depth: only modes composite and isosurface have one"};
   }
@@ -468,15 +481,15 @@ void Viewer::write_depth(const render::PictureRows<float>& depth) {
   const exec::FairMutex::Turn turn = cache_->take_turn();
   const std::uint32_t width = view_->width, rays = view_->antialias;
   const std::size_t stride = depth.stride > 0 ? depth.stride : width;
-  const render::Pass all = pass(shown_frame());
-  const scene::CameraView& camera = all.frame.camera;
+  const render::Pass all = pass(shown_frames());
+  const scene::CameraView& camera = all.objects[0].frame.camera;
   exec::parallel_for(host(), view_->height, [&](std::size_t y) {
     for (std::uint32_t x = 0; x < width; ++x) {
       double along_view = INFINITY;
       if (film_->opacity(rays, x, static_cast<std::uint32_t>(y)) >= kHalf) {
         const auto middle = [&](double pixel) { return pixel * rays + 0.5 * (rays - 1); };
         const double ray_x = middle(x), ray_y = middle(static_cast<double>(y));
-        const double distance = render::distance_to(all, ray_x, ray_y, kHalf);
+        const double distance = render::reach(all, ray_x, ray_y, kHalf).distance;
         along_view = distance * dot(camera.pixel_ray_from_eye(ray_x, ray_y).direction, camera.forward);
       }
       depth.values[y * stride + x] = static_cast<float>(along_view);

@@ -1,5 +1,5 @@
 /// \file
-/// Viewer: looks at a volume of a Cache, and renders what it sees: one picture after the other, exact or
+/// Viewer: looks at a world of objects, and renders what it sees: one picture after the other, exact or
 /// within a time. Many viewers share a cache; each has its own camera, size, mode and transfer functions.
 #pragma once
 
@@ -14,14 +14,14 @@
 #include "gvx/engine/cache.h"
 #include "gvx/engine/exact_rays.h"
 #include "gvx/engine/frame_timer.h"
-#include "gvx/engine/look.h"
 #include "gvx/engine/look_ahead.h"
 #include "gvx/engine/preview_pace.h"
 #include "gvx/engine/preview_rays.h"
+#include "gvx/engine/seen_world.h"
 #include "gvx/engine/statistics.h"
+#include "gvx/engine/world.h"
 #include "gvx/produce/proxy.h"
 #include "gvx/render/frame/film.h"
-#include "gvx/render/frame/frame.h"
 #include "gvx/render/march_pass.h"
 
 namespace gvx::engine {
@@ -43,15 +43,18 @@ struct ViewerOptions {
 /// For one thread at a time. Viewers of one cache may be used by different threads at once: they take turns.
 class Viewer {
  public:
-  /// The volume must be of this cache.
-  Viewer(std::shared_ptr<Cache> cache, std::shared_ptr<Volume> volume, const ViewerOptions& options = {});
+  /// The volumes that it looks at must be of this cache.
+  explicit Viewer(std::shared_ptr<Cache> cache, const ViewerOptions& options = {});
   ~Viewer();
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
 
-  /// Sets the view; call this first. An error if the view is invalid: then the view before stays. If the view
-  /// changed, what was rendered is dropped.
-  Status look(const render::View& asked);
+  /// Sets what is seen, and how; call this first. An error if the view is invalid: then what was set before
+  /// stays. If anything changed, what was rendered is dropped. Of the view all counts but its ObjectLook:
+  /// each object has its own.
+  Status look(const render::View& view, std::shared_ptr<const World> world);
+  /// The same of a single volume, at its own place, as the view's ObjectLook says.
+  Status look(const render::View& view, const std::shared_ptr<Volume>& volume);
 
   /// Renders until no ray lacks anything. The picture is the same for any cache size, number of threads and
   /// whatever other viewers do. `progress` is called from this thread, a few times a second.
@@ -73,23 +76,24 @@ class Viewer {
   Status picture(const render::PictureTarget& target);
   /// What the last call of render_exact() or render_for() did. Not cheap: it reads all pixels.
   Statistics statistics() const;
-  const Volume& volume() const { return *volume_; }
 
  private:
   Status make_film(const render::View& view);
   Status look_coarsely();
   void cut_rays();
-  render::Pass pass(const render::Frame& frame);
-  const render::Frame& shown_frame() const { return moving_frame_ ? *moving_frame_ : *frame_; }
+  render::Pass pass(const WorldFrames& frames);
+  const WorldFrames& shown_frames() const { return moving_frames_ ? *moving_frames_ : *frames_; }
+  const World& world() const { return seen_.world(); }
   exec::Device host() const;
   render::Film::Development development() const;
   void write_depth(const render::PictureRows<float>& depth);
-  int levels() const { return static_cast<int>(volume_->tree().max_level) + 1; }
+  int levels() const;
+  Status out_of_memory() const;
 
   // A frame's parts, with the turn.
   void begin_frame();
   void begin_pass() { cache_->begin_pass(*client_); }
-  Status show_root(exec::FairMutex::Turn& turn);
+  Status show_roots(exec::FairMutex::Turn& turn);
   void march_exactly(exec::Deadline deadline, const RayProgress& progress);
   Status draw_coarsely(std::chrono::nanoseconds budget, exec::Deadline deadline);
   void ask();
@@ -99,16 +103,15 @@ class Viewer {
   void report(const RayProgress& progress);
 
   std::shared_ptr<Cache> cache_;
-  std::shared_ptr<Volume> volume_;
   ViewerOptions options_;
   Cache::Client* client_;
-  Look look_;
 
   std::optional<render::View> view_;
-  std::optional<render::Frame> frame_;
-  std::optional<render::Frame> moving_frame_;  // what previews show instead
-  double moving_bias_ = 0;                     // by how many levels that is coarser
-  exec::Buffer<RayInterval> spans_;            // of the film's rays in the proxy; none: rays are not cut
+  std::optional<WorldFrames> frames_;
+  std::optional<WorldFrames> moving_frames_;  // what previews show instead
+  double moving_bias_ = 0;                    // by how many levels that is coarser
+  SeenWorld seen_;
+  exec::Buffer<RayInterval> spans_;  // of the film's rays in the proxy; none: rays are not cut
 
   std::optional<render::Film> film_;
   std::optional<ExactRays> exact_;
