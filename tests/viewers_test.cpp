@@ -1,7 +1,5 @@
 // Many viewers on one cache: whatever the others do, each one's exact picture is the same bits as alone.
 
-#include "gvx/engine/viewer.h"
-
 #include <chrono>
 #include <cmath>
 #include <random>
@@ -10,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "gvx/engine/viewer.h"
 #include "test_scenes.h"
 
 namespace gvx::tests {
@@ -33,9 +32,9 @@ render::View random_view(const TestScene& scene, std::mt19937& generator) {
   view.height = 40 + static_cast<std::uint32_t>(40 * random());
   const Vec3d to_eye = view.camera.eye - view.camera.target;
   const double turn = 2 * M_PI * random(), apart = 0.3 + 1.2 * random();
-  view.camera.eye = view.camera.target + apart * Vec3d{std::cos(turn) * to_eye.x - std::sin(turn) * to_eye.y,
-                                                       std::sin(turn) * to_eye.x + std::cos(turn) * to_eye.y,
-                                                       to_eye.z};
+  view.camera.eye =
+      view.camera.target + apart * Vec3d{std::cos(turn) * to_eye.x - std::sin(turn) * to_eye.y,
+                                         std::sin(turn) * to_eye.x + std::cos(turn) * to_eye.y, to_eye.z};
   const scene::Mode modes[] = {scene::Mode::composite, scene::Mode::composite, scene::Mode::maximum,
                                scene::Mode::minimum,   scene::Mode::mean,      scene::Mode::isosurface};
   view.mode = modes[static_cast<std::size_t>(6 * random())];
@@ -69,8 +68,7 @@ TEST(Viewers, with_other_functions_and_cameras_see_what_they_see_alone) {
   render::View skin = scene.view, dense = scene.view;
   dense.functions[0].opacities = {{0.8, 0}, {0.9, 0.9}};
   dense.camera.eye = dense.camera.target + 0.4 * (dense.camera.eye - dense.camera.target);
-  for (const auto& pools :
-       {std::optional<PoolSizes>{}, std::optional(PoolSizes{60, 24})}) {
+  for (const auto& pools : {std::optional<PoolSizes>{}, std::optional(PoolSizes{60, 24})}) {
     const Shared shared(scene, pools);
     Viewer first(shared.cache), second(shared.cache);
     ASSERT_TRUE(first.look(skin, shared.volume).ok());
@@ -89,7 +87,8 @@ TEST(Viewers, with_other_functions_and_cameras_see_what_they_see_alone) {
 }
 
 /// Eight viewers on threads of their own, that come, look, change their minds, and leave.
-void expect_pictures_as_alone(const PoolSizes& pools, std::uint32_t seed, int looks, std::uint32_t smaller = 1) {
+void expect_pictures_as_alone(const PoolSizes& pools, std::uint32_t seed, int looks,
+                              std::uint32_t smaller = 1) {
   const TestScene scene = two_viewers_scene();
   const Shared shared(scene, pools);
   constexpr std::uint32_t kViewers = 8;

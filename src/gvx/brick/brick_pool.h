@@ -50,8 +50,8 @@ class BrickPool {
   std::uint32_t slots() const { return slots_; }
   std::size_t brick_bytes() const { return brick_bytes_; }
 
-  /// Gives the memory of these slots back to the system, as far as whole pages of it hold nothing else; `empty`
-  /// says of each slot whether it may be lost. On a GPU nothing is given back.
+  /// Gives the memory of these slots back to the system, as far as whole pages of it hold nothing else;
+  /// `empty` says of each slot whether it may be lost. On a GPU nothing is given back.
   void release(std::span<const std::uint32_t> slots, const std::function<bool(std::uint32_t)>& empty);
 
   /// Overwrites a slot with `brick_bytes()` bytes, out of the host's memory or the device's.

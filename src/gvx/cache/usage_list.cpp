@@ -41,7 +41,7 @@ std::uint32_t UsageList::unused_since(std::uint32_t first) const {
   const std::span<const std::uint32_t> order = this->order();
   const auto stamps = stamps_.view();
   const auto used = std::partition_point(order.begin(), order.end(),
-                                          [&](std::uint32_t slot) { return stamps[slot] < first; });
+                                         [&](std::uint32_t slot) { return stamps[slot] < first; });
   return static_cast<std::uint32_t>(used - order.begin());
 }
 

@@ -5,8 +5,8 @@
 #include <map>
 #include <utility>
 
-#include "gvx/render/vectors/instruction_set.h"
 #include "gvx/render/march_pass.h"
+#include "gvx/render/vectors/instruction_set.h"
 
 namespace gvx::engine {
 namespace {
@@ -122,11 +122,12 @@ bool Cache::limit_to_room(std::vector<produce::ElementKey>& elements, Eviction e
   for (const produce::ElementKey& element : elements) {
     rooms[element.tree.value].bricks += element.kind == produce::ElementKind::brick ? 1 : 0;
   }
-  for (auto& [tree, room] : rooms) budget_.make_room(*volume_of(produce::TreeId(tree)), room.bricks, eviction);
+  for (auto& [tree, room] : rooms)
+    budget_.make_room(*volume_of(produce::TreeId(tree)), room.bricks, eviction);
   for (auto& [tree, room] : rooms) room = volume_of(produce::TreeId(tree))->residency().room(eviction);
-  const auto kept = std::remove_if(
-      elements.begin(), elements.end(),
-      [&](const produce::ElementKey& element) { return !rooms[element.tree.value].take(element.kind); });
+  const auto kept = std::remove_if(elements.begin(), elements.end(), [&](const produce::ElementKey& element) {
+    return !rooms[element.tree.value].take(element.kind);
+  });
   const bool dropped = kept != elements.end();
   elements.erase(kept, elements.end());
   return dropped;
@@ -145,10 +146,11 @@ void Cache::commit(Client& client) {
   std::vector<produce::FinishedElement> made = std::exchange(others_, {});
   std::vector<produce::FinishedElement> finished = production_->take_finished();
   std::move(finished.begin(), finished.end(), std::back_inserter(made));
-  const auto others = std::stable_partition(made.begin(), made.end(), [&](const produce::FinishedElement& element) {
-    return client.visible.contains(element.key);
-  });
-  std::vector<produce::FinishedElement> of_others(std::make_move_iterator(others), std::make_move_iterator(made.end()));
+  const auto others = std::stable_partition(
+      made.begin(), made.end(),
+      [&](const produce::FinishedElement& element) { return client.visible.contains(element.key); });
+  std::vector<produce::FinishedElement> of_others(std::make_move_iterator(others),
+                                                  std::make_move_iterator(made.end()));
   made.erase(others, made.end());
   client.bricks_evicted += take_in(std::move(made), client.eviction);
   if (client.eviction == Eviction::any) {

@@ -43,10 +43,10 @@ class Cache {
     produce::ClientId producing{};
     std::uint32_t pass = 0;                ///< the number of its last pass
     Eviction eviction = Eviction::unused;  ///< what may make room for what it wants
-    ElementSet visible, ahead;  ///< what it wants for its picture, and for one that may come
-    Status failed;              ///< why something for its picture could not be made
-    bool failed_ahead = false;  ///< something for later could not be made
-    std::uint64_t came = 0;     ///< elements for its picture
+    ElementSet visible, ahead;             ///< what it wants for its picture, and for one that may come
+    Status failed;                         ///< why something for its picture could not be made
+    bool failed_ahead = false;             ///< something for later could not be made
+    std::uint64_t came = 0;                ///< elements for its picture
     std::uint64_t bricks_made = 0, bricks_evicted = 0;  ///< for it
   };
 
@@ -111,7 +111,8 @@ class Cache {
   std::vector<std::unique_ptr<Client>> clients_;
   std::vector<std::shared_ptr<Volume>> volumes_;
   MemoryBudget budget_;
-  std::vector<produce::FinishedElement> others_;  // that were made while a client made room by force: they wait
+  std::vector<produce::FinishedElement>
+      others_;  // that were made while a client made room by force: they wait
   cache::PassClock clock_;
 };
 

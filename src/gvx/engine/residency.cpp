@@ -8,9 +8,9 @@
 
 namespace gvx::engine {
 
-using produce::FinishedElement;
 using produce::ElementKey;
 using produce::ElementKind;
+using produce::FinishedElement;
 
 Result<PoolSizes> PoolSizes::fitting(std::uint64_t memory_bytes, const produce::TreeDescription& tree) {
   constexpr std::uint64_t kFewestTiles = 8192, kMostTiles = 1u << 22, kMostBricks = 1u << 28;
@@ -123,7 +123,8 @@ std::vector<Lacking> Residency::collect(std::uint32_t pass, std::uint32_t in_use
                                     std::pair(cache::kNeedsChildren, ElementKind::children)}) {
       if ((request.kinds & bit) == 0) continue;
       const ElementKey element{tree_, key, kind};
-      const bool resident = kind == ElementKind::brick ? brick_slots_.contains(key) : tile_slots_.contains(key);
+      const bool resident =
+          kind == ElementKind::brick ? brick_slots_.contains(key) : tile_slots_.contains(key);
       if (resident) {
         link(request.node, element);
         continue;

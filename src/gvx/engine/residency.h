@@ -15,8 +15,8 @@
 #include "gvx/core/result.h"
 #include "gvx/engine/look.h"
 #include "gvx/exec/device.h"
-#include "gvx/produce/producer.h"
 #include "gvx/produce/element.h"
+#include "gvx/produce/producer.h"
 #include "gvx/produce/production.h"
 #include "gvx/tree/node_pool.h"
 
@@ -123,7 +123,9 @@ class Residency {
   std::uint64_t requested() const { return requested_; }
   std::uint64_t resident_bricks() const { return brick_slots_.size(); }
   /// Slots that nothing is in.
-  std::uint64_t free_bricks() const { return brick_slots_.slots() - brick_slots_.withheld() - resident_bricks(); }
+  std::uint64_t free_bricks() const {
+    return brick_slots_.slots() - brick_slots_.withheld() - resident_bricks();
+  }
   std::uint64_t resident_nodes() const { return tile_slots_.size() * nodes_.nodes_per_tile() + 1; }
 
   /// Checks every pointer, map and list against each other; aborts where they disagree. For tests.

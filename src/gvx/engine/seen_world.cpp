@@ -19,7 +19,8 @@ Result<WorldFrames> WorldFrames::make(const exec::Device& device, const render::
     if (!only_one_left && world.out_of_sight(i, camera)) continue;
     const Volume* volume = objects[i].volume.get();
     const render::Frame* like = frames.like(volume, world.kind(i));
-    const bool first_of_kind = like == nullptr || frames.frames_[frames.of_kinds_.back()].kind != world.kind(i);
+    const bool first_of_kind =
+        like == nullptr || frames.frames_[frames.of_kinds_.back()].kind != world.kind(i);
     if (like == nullptr && previous != nullptr) like = previous->like(volume, world.kind(i));
     render::View of_object = view;
     static_cast<render::ObjectLook&>(of_object) = objects[i].shown;
@@ -55,8 +56,8 @@ void SeenWorld::detach(std::vector<SeenKind>& kinds) {
 /// A look at an object's volume that is left: of the `same` way to see it, or of any.
 std::unique_ptr<Look> SeenWorld::take(std::vector<SeenKind>& kinds, const Object& object, bool same) {
   for (SeenKind& kind : kinds) {
-    const bool fits = kind.look != nullptr && kind.volume == object.volume &&
-                      (!same || kind.shown.sees_like(object.shown));
+    const bool fits =
+        kind.look != nullptr && kind.volume == object.volume && (!same || kind.shown.sees_like(object.shown));
     if (fits) return std::move(kind.look);
   }
   return nullptr;
@@ -78,7 +79,8 @@ void SeenWorld::see(const exec::Device& device, std::shared_ptr<const World> wor
       std::unique_ptr<Look> look = take(before, object, same);
       if (same && look == nullptr) continue;
       const bool is_new = look == nullptr;
-      if (is_new) look = std::make_unique<Look>(device, residency.nodes().tiles(), residency.bricks().slots());
+      if (is_new)
+        look = std::make_unique<Look>(device, residency.nodes().tiles(), residency.bricks().slots());
       if (is_new) residency.attach(*look);
       if (same) {
         look->move_tables(visibility);

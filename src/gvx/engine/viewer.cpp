@@ -46,9 +46,10 @@ Status Viewer::look(const render::View& view, const std::shared_ptr<Volume>& vol
   render::View asked = view;
   asked.subrays = render::subrays_of(view, volume->tree());
   asked.antialias *= asked.subrays;
-  const bool same = view_ && *view_ == asked && world().objects().size() == 1 &&
-                    world().objects()[0].volume == volume && world().objects()[0].shown == asked;
-  if (same) return {};
+  const std::shared_ptr<const World>& before = seen_.shared_world();
+  const bool same = before != nullptr && before->objects().size() == 1 &&
+                    before->objects()[0].volume == volume && before->objects()[0].shown == asked;
+  if (same) return look(asked, before);
   GVX_ASSIGN(auto world, World::make({{volume, {}, asked}}));
   return look(asked, std::move(world));
 }
@@ -57,13 +58,13 @@ Status Viewer::look(const render::View& view, std::shared_ptr<const World> world
   if (world == nullptr) return Error{"world: none given"};
   GVX_TRY(render::check_objects(cache_->device(), world->objects().size()));
   if (view_ && *view_ == view && seen_.shared_world() == world) return {};
-  GVX_ASSIGN(auto frames,
-             WorldFrames::make(cache_->device(), view, *world, frames_ ? &*frames_ : nullptr));
+  GVX_ASSIGN(auto frames, WorldFrames::make(cache_->device(), view, *world, frames_ ? &*frames_ : nullptr));
   const bool other_size = !view_ || view_->width != view.width || view_->height != view.height ||
                           view_->antialias != view.antialias;
   if (other_size) GVX_TRY(make_film(view));
   ahead_.view_changed(view_, view);
-  if (view_ && seen_.shared_world() != world && !(view_->sees_like(view) && world->objects().size() == 1)) ahead_.stop();
+  if (view_ && seen_.shared_world() != world && !(view_->sees_like(view) && world->objects().size() == 1))
+    ahead_.stop();
   {
     const exec::FairMutex::Turn turn = cache_->take_turn();
     seen_.see(cache_->device(), std::move(world), frames);
@@ -117,8 +118,8 @@ Status Viewer::look_coarsely() {
 /// Finds what the proxy leaves of this view's rays.
 void Viewer::cut_rays() {
   const scene::Mode mode = world().objects()[0].shown.mode;
-  const bool cuts = world().objects().size() == 1 &&
-                    (mode == scene::Mode::composite || mode == scene::Mode::isosurface);
+  const bool cuts =
+      world().objects().size() == 1 && (mode == scene::Mode::composite || mode == scene::Mode::isosurface);
   const std::shared_ptr<const produce::Proxy>& proxy = options_.proxy;
   if (proxy == nullptr || !cuts) {
     spans_ = {};
@@ -256,8 +257,8 @@ Status Viewer::render_exact(const RayProgress& progress) {
   cache_->want(*client_, produce::Tier::ahead, {});
   while (!exact_->finished()) {
     begin_pass();
-    march_exactly(exec::no_deadline(), progress);               // render
-    ask();                                                      // collect
+    march_exactly(exec::no_deadline(), progress);  // render
+    ask();                                         // collect
     const bool came_on = exact_->came_on(*film_, levels());
     if (exact_->hopeless(levels())) return out_of_memory();
     // Rays that push out what is in use keep their turn until one has come on, and where memory is scarce
@@ -343,8 +344,8 @@ Status Viewer::render_for(std::chrono::nanoseconds budget) {
   preview_at_rest_ = preview_at_rest_ || refreshing;
   const std::chrono::nanoseconds waited = waiting_.total() - waited_before_;
   waited_before_ = waiting_.total();
-  const exec::Deadline refresh_deadline =
-      timer_.after(budget, std::clamp(std::chrono::duration<double>(waited) / budget, kLeastRefresh, kMostRefresh));
+  const exec::Deadline refresh_deadline = timer_.after(
+      budget, std::clamp(std::chrono::duration<double>(waited) / budget, kLeastRefresh, kMostRefresh));
   GVX_TRY(draw_coarsely(budget, deadline));
   rays_marched_ = !exact_->finished();
   do {
@@ -358,11 +359,11 @@ Status Viewer::render_for(std::chrono::nanoseconds budget) {
       moving_frames_.reset();
       march_exactly(deadline, {});
     }
-    ask();                                                     // collect
-    GVX_TRY(commit());                                         // evict, commit
+    ask();              // collect
+    GVX_TRY(commit());  // evict, commit
     if (cache_->idle(*client_)) prefetch(deadline);
     while (!exact_->finished() && !cache_->idle(*client_) && Clock::now() < deadline) {
-      GVX_TRY(wait(turn, deadline, true));                     // produce, evict, commit
+      GVX_TRY(wait(turn, deadline, true));  // produce, evict, commit
     }
     if (preview_->complete()) begin_pass();
   } while (!exact_->finished() && Clock::now() < deadline);
@@ -382,7 +383,8 @@ Status Viewer::render_for(std::chrono::nanoseconds budget) {
 /// Asks for what a picture that is a few frames ahead of a moving camera would lack: a level deeper each
 /// time, until it lacks nothing.
 void Viewer::prefetch(exec::Deadline deadline) {
-  if (!options_.prefetch || !ahead_.moving() || crowded_ || !exact_->all_run() || exec::late(deadline)) return;
+  if (!options_.prefetch || !ahead_.moving() || crowded_ || !exact_->all_run() || exec::late(deadline))
+    return;
   const auto view = ahead_.next(*view_);
   if (!view) return;
   const auto frames = WorldFrames::make(cache_->device(), *view, world(), &*frames_);
