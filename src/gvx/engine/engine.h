@@ -23,10 +23,10 @@
 #include "gvx/exec/device.h"
 #include "gvx/produce/producer.h"
 #include "gvx/produce/production_queue.h"
-#include "gvx/produce/proxy.h"
 #include "gvx/render/film.h"
 #include "gvx/render/frame.h"
 #include "gvx/render/march_pass.h"
+#include "gvx/scene/proxy.h"
 
 namespace gvx::engine {
 
@@ -43,7 +43,7 @@ struct EngineOptions {
   bool adapt_levels = true;
   /// A closed mesh around all that can be seen: rays march only within it. Applies to the modes composite and
   /// isosurface.
-  std::shared_ptr<const produce::Proxy> proxy = {};
+  std::shared_ptr<const scene::Proxy> proxy = {};
   /// Called with a line of text if something is wrong that is not an error. Today this happens once, for the
   /// first brick with values beyond its node's bounds. It is called on the thread that called the engine.
   std::function<void(const std::string&)> warn = {};
@@ -135,7 +135,7 @@ class Engine {
   std::shared_ptr<const produce::Producer> producer_;
   Residency residency_;
   produce::ProductionQueue queue_;
-  std::shared_ptr<const produce::Proxy> proxy_;
+  std::shared_ptr<const scene::Proxy> proxy_;
   std::function<void(const std::string&)> warn_;
   std::uint64_t broken_bounds_ = 0;  // bricks of all frames
   exec::Buffer<RayInterval> spans_;  // of the film's rays in it; none: rays are not cut

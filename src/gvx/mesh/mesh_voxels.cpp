@@ -1,4 +1,4 @@
-#include "gvx/produce/mesh_voxels.h"
+#include "gvx/mesh/mesh_voxels.h"
 
 #include <algorithm>
 #include <array>
@@ -13,11 +13,11 @@
 
 #include "gvx/exec/parallel.h"
 #include "gvx/io/mesh.h"
-#include "gvx/produce/mesh_query.h"
+#include "gvx/mesh/mesh_query.h"
 #include "gvx/store/pyramid.h"
 #include "gvx/store/store_writer.h"
 
-namespace gvx::produce {
+namespace gvx::mesh {
 namespace {
 
 constexpr VoxelFormat kFormat{VoxelType::u8, VoxelContent::color_normal, 7};
@@ -299,4 +299,4 @@ Result<MeshStoreReport> build_mesh_store(const exec::Device& cpu, const MeshSpoo
   return MeshStoreReport{dimensions, writer->bytes_written(), all.size()};
 }
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh
