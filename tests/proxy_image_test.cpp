@@ -53,8 +53,7 @@ Rendered exact(const std::shared_ptr<const produce::Producer>& producer, const r
 class ProxyImage : public testing::Test {
  protected:
   void SetUp() override {
-    frame_ = render::Frame::make(exec::Device::cpu(1), view_, engine::placement_of(producer_->description()))
-                 .value();
+    frame_ = render::Frame::make(exec::Device::cpu(1), view_, producer_->description()).value();
     const scene::Visibility visibility = frame_->view().visibility;
     auto proxy = mesh::MeshProxy::around_nodes(*producer_, 3,
                                                [&](const ChannelRanges& r) { return visibility.hides(r); });

@@ -77,7 +77,7 @@ Result<std::shared_ptr<const scene::Proxy>> make_proxy(std::optional<io::Triangl
   const produce::TreeDescription& tree = scene.producer->description();
   if (mesh) return mesh::MeshProxy::create(std::move(*mesh), tree);
   // What no function shows and no noise can make it show.
-  GVX_ASSIGN(const auto frame, render::Frame::make(exec::Device::cpu(1), view, engine::placement_of(tree)));
+  GVX_ASSIGN(const auto frame, render::Frame::make(exec::Device::cpu(1), view, tree));
   const scene::Visibility visibility = frame.view().visibility;
   const std::uint32_t level = std::min(tree.max_level, tree.n == 2 ? 5u : 3u);
   return mesh::MeshProxy::around_nodes(*scene.producer, level,

@@ -9,7 +9,7 @@
 
 #include "function_flags.h"
 #include "gvx/core/result.h"
-#include "gvx/render/view.h"
+#include "gvx/render/frame/view.h"
 #include "gvx/scene/scene_file.h"
 #include "gvx/scene/transfer_function.h"
 #include "open_scene.h"

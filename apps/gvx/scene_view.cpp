@@ -7,7 +7,7 @@
 
 #include "built_in_scenes.h"
 #include "gvx/engine/engine.h"
-#include "gvx/render/frame.h"
+#include "gvx/render/frame/frame.h"
 #include "gvx/scene/camera_path.h"
 #include "gvx/scene/framing.h"
 #include "scene_functions.h"
@@ -64,7 +64,7 @@ Result<VisibleBounds> visible_part(const scene::SceneFile& scene, const SceneFla
   scene::SceneFile seen_somehow = scene;
   seen_somehow.camera = scene::CameraParts(scene::Camera());
   GVX_ASSIGN(const render::View view, make_view(seen_somehow, flags, opened));
-  GVX_ASSIGN(const auto frame, render::Frame::make(exec::Device::cpu(1), view, engine::placement_of(tree)));
+  GVX_ASSIGN(const auto frame, render::Frame::make(exec::Device::cpu(1), view, tree));
   return visible_bounds(*opened.producer, frame.view().visibility, shown);
 }
 
@@ -227,9 +227,9 @@ Status check_before_building(const scene::SceneFile& scene, const SceneFlags& fl
   view.classification = scene.classification.value_or(view.classification);
   view.lighting = scene.lighting.over(view.lighting);
   view.functions = {{{{0, {}}}, {{0, 0}}}};
-  render::TreePlacement placement;
-  placement.format = format;
-  GVX_ASSIGN(const auto frame, render::Frame::make(exec::Device::cpu(1), view, placement));
+  tree::TreeDescription tree;
+  tree.format = format;
+  GVX_ASSIGN(const auto frame, render::Frame::make(exec::Device::cpu(1), view, tree));
   (void)frame;
   return {};
 }

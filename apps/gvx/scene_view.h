@@ -5,7 +5,7 @@
 #include <string>
 
 #include "gvx/core/result.h"
-#include "gvx/render/view.h"
+#include "gvx/render/frame/view.h"
 #include "gvx/scene/scene_file.h"
 #include "open_scene.h"
 #include "scene_flags.h"

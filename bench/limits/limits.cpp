@@ -18,7 +18,7 @@
 
 #include "gvx/engine/engine.h"
 #include "gvx/produce/store_producer.h"
-#include "gvx/render/stretch_batch.h"
+#include "gvx/render/tile/stretch_batch.h"
 #include "gvx/scene/framing.h"
 #include "gvx/store/store_reader.h"
 
@@ -137,10 +137,7 @@ int main(int argc, char** argv) {
     for (const bool lit : {false, true}) {
       view.functions = {is_surface ? surface : translucent(first, last)};
       view.lighting.enabled = lit;
-      const render::TreePlacement placement{int(tree.n), int(tree.m),        int(tree.max_level),
-                                            tree.format, tree.tree_to_world, tree.extent,
-                                            tree.scale,  tree.offset,        tree.ranges};
-      const auto roof_frame = render::Frame::make(cpu, view, placement);
+      const auto roof_frame = render::Frame::make(cpu, view, tree);
       std::vector<double> times, limits, shares;
       double samples = 0, limit_before = 0;
       for (int frame = 0; frame <= frames; ++frame) {

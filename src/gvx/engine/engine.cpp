@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "gvx/exec/parallel.h"
-#include "gvx/render/instruction_set.h"
+#include "gvx/render/vectors/instruction_set.h"
 
 namespace gvx::engine {
 namespace {
@@ -63,22 +63,6 @@ Status check(const produce::TreeDescription& tree) {
 
 }  // namespace
 
-render::TreePlacement placement_of(const produce::TreeDescription& tree) {
-  ChannelRanges ranges = tree.ranges;
-  for (ValueRange& range : ranges.channel) {
-    range = {range.minimum - tree.beyond_ranges, range.maximum + tree.beyond_ranges};
-  }
-  return {static_cast<int>(tree.n),
-          static_cast<int>(tree.m),
-          static_cast<int>(tree.max_level),
-          tree.format,
-          tree.tree_to_world,
-          tree.extent,
-          tree.scale,
-          tree.offset,
-          ranges};
-}
-
 Result<std::unique_ptr<Engine>> Engine::create(const exec::Device& device,
                                                std::shared_ptr<const produce::Producer> producer,
                                                const EngineOptions& options) {
@@ -109,15 +93,18 @@ Engine::Engine(const exec::Device& device, std::shared_ptr<const produce::Produc
     : device_(device),
       producer_(std::move(producer)),
       residency_(device, *producer_, sizes),
-      queue_(producer_, device.kind() == exec::DeviceKind::cpu ? device.threads() : kCudaProducers) {}
+      look_(device, sizes.tiles, sizes.bricks),
+      queue_(producer_, device.kind() == exec::DeviceKind::cpu ? device.threads() : kCudaProducers) {
+  residency_.attach(look_);
+}
 
 Status Engine::look(const render::View& asked) {
   render::View view = asked;
-  view.subrays = render::subrays_of(asked, placement_of(producer_->description()));
+  view.subrays = render::subrays_of(asked, producer_->description());
   view.antialias *= view.subrays;
   if (view_ && *view_ == view) return {};
-  GVX_ASSIGN(auto frame, render::Frame::make(device_, view, placement_of(producer_->description()),
-                                             frame_ ? &*frame_ : nullptr));
+  GVX_ASSIGN(auto frame,
+             render::Frame::make(device_, view, producer_->description(), frame_ ? &*frame_ : nullptr));
   const bool sees_otherwise = !view_ || !(view_->functions == view.functions) || view_->mode != view.mode ||
                               view_->isovalue != view.isovalue ||
                               view_->classification != view.classification || view_->noise != view.noise;
@@ -149,7 +136,11 @@ Status Engine::look(const render::View& asked) {
   view_ = view;
   GVX_TRY(look_coarsely());
   cut_rays();
-  residency_.set_visibility(frame_->view().visibility, sees_otherwise);
+  if (sees_otherwise) {
+    residency_.set_visibility(look_, frame_->view().visibility);
+  } else {
+    look_.move_tables(frame_->view().visibility);
+  }
   film_->clear();
   unfinished_tiles_.resize(film_->grid().tiles());
   std::iota(unfinished_tiles_.begin(), unfinished_tiles_.end(), 0u);
@@ -174,8 +165,7 @@ Status Engine::look_coarsely() {
   if (judged_ || !(bias > 0)) return {};
   render::View coarse = *view_;
   coarse.detail = std::max(coarse.detail * std::exp2(-bias), render::View::kLeastDetail);
-  GVX_ASSIGN(auto frame,
-             render::Frame::make(device_, coarse, placement_of(producer_->description()), &*frame_));
+  GVX_ASSIGN(auto frame, render::Frame::make(device_, coarse, producer_->description(), &*frame_));
   moving_frame_ = std::move(frame);
   moving_bias_ = bias;
   return {};
@@ -212,13 +202,14 @@ render::Pass Engine::pass(const render::Frame& frame) {
   const bool of_this_view = &frame == &*frame_ || (moving_frame_ && &frame == &*moving_frame_);
   if (of_this_view && spans_.size() > 0) pass.frame.proxy = spans_.view().data;
   pass.nodes = residency_.nodes().view();
+  pass.hidden = look_.hidden();
   pass.bricks = residency_.bricks().bytes();
   pass.tile_usage = residency_.tile_usage();
   pass.brick_usage = residency_.brick_usage();
   pass.requests = residency_.requests();
   pass.number = stamp_;
   pass.lone_ray = lone_ray_;
-  pass.cells = residency_.cell_masks();
+  pass.cells = look_.cells();
   pass.one_ray_at_a_time = one_ray_at_a_time_;
   pass.epoch = film_->epoch();
   pass.blank_tiles = film_->blank_tiles();
@@ -295,7 +286,7 @@ void Engine::report(const RayProgress& progress) {
 /// time; where even one tile of them does, what is in use may be pushed out: they have passed it.
 std::vector<produce::Job> Engine::collect() {
   const TimeSum::Span committing(committing_);
-  const std::vector<produce::Job> lacking = residency_.collect(stamp_);
+  const std::vector<produce::Job> lacking = residency_.collect(stamp_, stamp_);
   statistics_.requests += residency_.requested();
   std::vector<produce::Job> jobs = lacking;
   eviction_ = Eviction::unused;
@@ -449,8 +440,10 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   GVX_CHECK(film_.has_value());
   begin_frame();
   ++stamp_;
-  GVX_ASSIGN(const CommitCounts planted, residency_.plant_root_brick());
-  look_at_bounds(planted);
+  if (!look_.hides(residency_.nodes().ranges(tree::NodePool::root()))) {
+    GVX_ASSIGN(const CommitCounts planted, residency_.plant_root_brick());
+    look_at_bounds(planted);
+  }
   GVX_TRY(take_finished());
   // However short the budget, each frame gets somewhere.
   const exec::Deadline wanted = frame_start_ + budget;
@@ -523,7 +516,7 @@ void Engine::prefetch(exec::Deadline deadline) {
   view.height = (view.height * view.antialias + sparse - 1) / sparse;
   view.antialias = 1;
   view.detail *= sparse;
-  const auto frame = render::Frame::make(device_, view, placement_of(producer_->description()), &*frame_);
+  const auto frame = render::Frame::make(device_, view, producer_->description(), &*frame_);
   if (!frame.ok()) {  // there the camera will not be
     camera_before_.reset();
     return;
@@ -554,7 +547,7 @@ void Engine::prefetch(exec::Deadline deadline) {
   std::vector<produce::Job> jobs;
   {
     const TimeSum::Span committing(committing_);
-    jobs = residency_.collect(stamp_);
+    jobs = residency_.collect(stamp_, stamp_);
   }
   if (jobs.empty() && drawn) camera_before_.reset();
   if (jobs.empty()) return;

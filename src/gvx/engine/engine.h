@@ -17,14 +17,15 @@
 
 #include "gvx/core/result.h"
 #include "gvx/core/time_sum.h"
+#include "gvx/engine/look.h"
 #include "gvx/engine/preview_pace.h"
 #include "gvx/engine/residency.h"
 #include "gvx/engine/statistics.h"
 #include "gvx/exec/device.h"
 #include "gvx/produce/producer.h"
 #include "gvx/produce/production_queue.h"
-#include "gvx/render/film.h"
-#include "gvx/render/frame.h"
+#include "gvx/render/frame/film.h"
+#include "gvx/render/frame/frame.h"
 #include "gvx/render/march_pass.h"
 #include "gvx/scene/proxy.h"
 
@@ -48,9 +49,6 @@ struct EngineOptions {
   /// first brick with values beyond its node's bounds. It is called on the thread that called the engine.
   std::function<void(const std::string&)> warn = {};
 };
-
-/// The tree's shape, its place in the world and its values' ranges, for frames.
-render::TreePlacement placement_of(const produce::TreeDescription& tree);
 
 /// Called with the number of the picture's rays that are finished, and of all its rays.
 using RayProgress = std::function<void(std::uint64_t finished, std::uint64_t all)>;
@@ -134,6 +132,7 @@ class Engine {
   bool adapts_levels_ = true;
   std::shared_ptr<const produce::Producer> producer_;
   Residency residency_;
+  Look look_;
   produce::ProductionQueue queue_;
   std::shared_ptr<const scene::Proxy> proxy_;
   std::function<void(const std::string&)> warn_;

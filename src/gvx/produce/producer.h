@@ -19,36 +19,11 @@
 #include "gvx/core/voxel.h"
 #include "gvx/exec/device.h"
 #include "gvx/tree/node_pool.h"
+#include "gvx/tree/tree_description.h"
 
 namespace gvx::produce {
 
-/// The shape of a producer's tree, its voxels, and its place in the world. *Tree space* is the cube [0, 1]^3
-/// of the root.
-struct TreeDescription {
-  std::uint32_t n = 2;          ///< children along an axis of a node: 2 or 3
-  std::uint32_t m = 16;         ///< voxels along an axis of a brick, border not counted: 8, 16 or 32
-  std::uint32_t max_level = 0;  ///< level of the finest nodes; the root has level 0
-  VoxelFormat format;
-  Affine3 tree_to_world;
-  Box3d extent{{0, 0, 0}, {1, 1, 1}};  ///< the part of tree space that holds the volume
-  /// The part of the extent that is not empty, if it is known. Default cameras show this part.
-  std::optional<Box3d> bounds = {};
-  bool anatomical = false;       ///< world is millimetres: x right, y to the front, z up
-  UpAxis up = UpAxis::z;         ///< the axis of the world that points up
-  double scale = 1, offset = 0;  ///< physical value = scale * stored value + offset
-  ChannelRanges ranges;          ///< of all stored values
-  float beyond_ranges = 0;       ///< how far voxels that are made may lie outside of these
-  bool no_data = false;          ///< f32 voxels may be NaN: no data, which is transparent
-  /// For each channel: counts of voxels in equal bins over its range. May be empty.
-  std::vector<std::vector<std::uint64_t>> histograms;
-  /// In which the source shows its channels: red, green, blue from 0 to 1. One a channel, or none.
-  std::vector<std::optional<Vec3f>> channel_colors;
-  /// describe() returns exact ranges. If not, the engine looks for finest bricks that are constant after all.
-  bool exact_ranges = false;
-  std::uint64_t bricks = 0;  ///< the most bricks that there can be, or 0 if unknown: limits the memory
-
-  std::size_t brick_bytes() const { return gvx::brick_bytes(format, m); }
-};
+using tree::TreeDescription;
 
 /// How long parts of production took, summed over all threads.
 struct ProductionTimes {

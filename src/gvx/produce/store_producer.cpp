@@ -11,21 +11,14 @@ StoreProducer::StoreProducer(std::unique_ptr<store::StoreReader> reader) : reade
   if (reader_ == nullptr) return;
   const store::VolumeInfo& info = reader_->info();
   const double cube = info.shape.cube_voxels();
+  static_cast<VolumeDescription&>(description_) = info;
   description_.n = info.shape.n;
   description_.m = info.shape.m;
   description_.max_level = info.shape.levels - 1;
-  description_.format = info.format;
   description_.exact_ranges = true;
   description_.tree_to_world = info.voxel_to_world * scaling(Vec3d(cube));
   description_.extent = {{0, 0, 0}, Vec3d(info.shape.dimensions) / cube};
   if (info.bounds) description_.bounds = Box3d{info.bounds->minimum / cube, info.bounds->maximum / cube};
-  description_.anatomical = info.anatomical;
-  description_.up = info.up;
-  description_.scale = info.scale;
-  description_.offset = info.offset;
-  description_.ranges = info.ranges;
-  description_.no_data = info.no_data;
-  description_.histograms = info.histograms;
   // Broken notes are found by verify; they are no reason not to show the volume.
   if (const auto notes = store::read_notes(*reader_); notes.ok()) {
     for (const store::ChannelNotes& channel : notes.value().channels)

@@ -30,9 +30,8 @@
 #include "gvx/core/node_key.h"
 #include "gvx/core/ray.h"
 #include "gvx/core/result.h"
-#include "gvx/core/up_axis.h"
 #include "gvx/core/vec.h"
-#include "gvx/core/voxel.h"
+#include "gvx/core/volume_description.h"
 #include "gvx/store/checksum.h"
 
 namespace gvx::store {
@@ -189,23 +188,14 @@ struct TreeShape {
 };
 
 /// What a store says of its volume.
-struct VolumeInfo {
+struct VolumeInfo : VolumeDescription {
   TreeShape shape;
-  VoxelFormat format;
   Codec codec = Codec::zstd;
   std::uint32_t border = kBrickBorder;  ///< voxels around a stored brick, on each side: 1 or 2
-  bool no_data = false;                 ///< f32 voxels may be NaN: no data, which is in no range or histogram
-  /// Voxel space (voxel i covers [i, i+1]) to world space; millimetres, x right, y anterior, z superior if
-  /// anatomical.
+  /// Voxel space (voxel i covers [i, i+1]) to world space.
   Affine3 voxel_to_world;
-  bool anatomical = false;
-  UpAxis up = UpAxis::z;             ///< of world space
   std::optional<Box3d> bounds = {};  ///< in voxel space, of what is not empty; none where that is not known
-  double scale = 1, offset = 0;      ///< physical value = scale * stored value + offset
-  ChannelRanges ranges;              ///< of all stored values
   std::string source;                ///< the name of the file it was built from
-  /// Of each channel: voxels of the finest level in equal bins over its range.
-  std::vector<std::vector<std::uint64_t>> histograms;
 
   /// Numbers of one plane of a brick with such a border.
   std::size_t texels(std::uint32_t border_voxels) const { return plane_texels(shape.m, border_voxels); }
