@@ -15,7 +15,7 @@ set(public_headers
   mesh/mesh_distance.h mesh/mesh_proxy.h mesh/mesh_voxels.h
   produce/kernel_producer.h produce/repeat_producer.h produce/sampled_bounds.h
   produce/sponge_producer.h produce/store_producer.h produce/terrain.h
-  scene/camera_path.h scene/label_table.h scene/scene_file.h scene/transfer_presets.h
+  scene/camera_matrices.h scene/camera_path.h scene/label_table.h scene/scene_file.h scene/transfer_presets.h
   store/store_reader.h store/store_writer.h store/verify.h)
 install(CODE "
   set(GVX_HEADERS_FROM \"${PROJECT_SOURCE_DIR}/src/gvx\")
