@@ -43,6 +43,7 @@ class MisusedWriter : public testing::Test {
   VolumeInfo info() const {
     VolumeInfo info;
     info.shape = shape_;
+    info.ranges = ValueRange{7, 7};
     info.histograms = {std::vector<std::uint64_t>(kHistogramBins)};
     return info;
   }
