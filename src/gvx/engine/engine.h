@@ -31,7 +31,7 @@ struct EngineOptions {
   bool one_ray_at_a_time = false;
   bool prefetch = true;
   bool adapt_levels = true;
-  std::shared_ptr<const produce::Proxy> proxy = {};
+  std::shared_ptr<const scene::Proxy> proxy = {};
   /// As CacheOptions has it.
   std::function<void(const std::string&)> warn = {};
 };

@@ -120,7 +120,7 @@ void Viewer::cut_rays() {
   const scene::Mode mode = world().objects()[0].shown.mode;
   const bool cuts =
       world().objects().size() == 1 && (mode == scene::Mode::composite || mode == scene::Mode::isosurface);
-  const std::shared_ptr<const produce::Proxy>& proxy = options_.proxy;
+  const std::shared_ptr<const scene::Proxy>& proxy = options_.proxy;
   if (proxy == nullptr || !cuts) {
     spans_ = {};
     return;

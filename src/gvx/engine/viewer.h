@@ -20,7 +20,7 @@
 #include "gvx/engine/seen_world.h"
 #include "gvx/engine/statistics.h"
 #include "gvx/engine/world.h"
-#include "gvx/produce/proxy.h"
+#include "gvx/scene/proxy.h"
 #include "gvx/render/frame/film.h"
 #include "gvx/render/march_pass.h"
 
@@ -37,7 +37,7 @@ struct ViewerOptions {
   bool adapt_levels = true;
   /// A closed mesh around all that can be seen: rays march only within it. Applies to the modes composite and
   /// isosurface.
-  std::shared_ptr<const produce::Proxy> proxy = {};
+  std::shared_ptr<const scene::Proxy> proxy = {};
 };
 
 /// For one thread at a time. Viewers of one cache may be used by different threads at once: they take turns.

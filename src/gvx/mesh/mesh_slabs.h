@@ -16,10 +16,10 @@
 
 #include "gvx/core/result.h"
 #include "gvx/io/scratch_file.h"
-#include "gvx/produce/corner_normals.h"
-#include "gvx/produce/mesh_spool.h"
+#include "gvx/mesh/corner_normals.h"
+#include "gvx/mesh/mesh_spool.h"
 
-namespace gvx::produce {
+namespace gvx::mesh {
 
 /// In space of voxels: voxel i covers i to i + 1.
 struct SlabTriangle {
@@ -69,4 +69,4 @@ class MeshSlabs {
   io::ScratchFile triangles_;
 };
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

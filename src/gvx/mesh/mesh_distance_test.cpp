@@ -1,13 +1,13 @@
-#include "gvx/produce/mesh_distance.h"
+#include "gvx/mesh/mesh_distance.h"
 
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "gvx/produce/mesh_test_support.h"
+#include "gvx/mesh/mesh_test_support.h"
 
-namespace gvx::produce {
+namespace gvx::mesh {
 namespace {
 
 class MeshDistance : public testing::Test {
@@ -21,7 +21,7 @@ class MeshDistance : public testing::Test {
 };
 
 /// The greatest difference to the distance to the sphere, no farther from 0 than `band`.
-double worst_error(const Field& field, double band, const VoxelBlock& block) {
+double worst_error(const produce::Field& field, double band, const produce::VoxelBlock& block) {
   std::vector<float> values(block.voxels());
   field.sample(block, values);
   double worst = 0;
@@ -47,7 +47,7 @@ TEST_F(MeshDistance, the_exact_one_is_that_of_the_sphere_everywhere) {
 TEST_F(MeshDistance, the_reports_is_near_it_beside_the_surface) {
   // Measured: 0.0040 within 0.02 of a sphere of 0.3, whose curvature is what the planes miss.
   const AxisDistanceField field(mesh_, 0.05);
-  const VoxelBlock block{Vec3d(0.02), 0.03, 33};
+  const produce::VoxelBlock block{Vec3d(0.02), 0.03, 33};
   std::vector<float> values(block.voxels()), ignored(block.voxels());
   field.sample(block, values);
   double worst = 0;
@@ -75,11 +75,12 @@ TEST_F(MeshDistance, bounds_hold_what_is_sampled) {
   const MeshDistanceField exact(mesh_, 0.1);
   const AxisDistanceField quick(mesh_, 0.1);
   int tight = 0;
-  for (const Field* field : {static_cast<const Field*>(&exact), static_cast<const Field*>(&quick)}) {
+  for (const produce::Field* field :
+       {static_cast<const produce::Field*>(&exact), static_cast<const produce::Field*>(&quick)}) {
     for (int n = 0; n < 400; ++n) {
       const double size = std::exp2(-1 - 6 * share(random));
       const Vec3d low(share(random), share(random), share(random));
-      const VoxelBlock block{low, size / 9, 10};
+      const produce::VoxelBlock block{low, size / 9, 10};
       const ValueRange bounds = field->bounds({low, low + Vec3d(size)}, size);
       std::vector<float> values(block.voxels());
       field->sample(block, values);
@@ -103,4 +104,4 @@ TEST_F(MeshDistance, a_mesh_is_placed_in_the_middle_of_the_cube_and_back) {
 }
 
 }  // namespace
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

@@ -6,10 +6,10 @@
 #include <memory>
 
 #include "gvx/core/affine.h"
+#include "gvx/mesh/mesh_query.h"
 #include "gvx/produce/field.h"
-#include "gvx/produce/mesh_query.h"
 
-namespace gvx::produce {
+namespace gvx::mesh {
 
 /// A mesh in the tree's cube: the middle of its bounds in the middle, `margin` of the cube free at either end
 /// of its longest side. `tree_to_world` takes the cube back to where the mesh came from.
@@ -22,12 +22,12 @@ struct PlacedMesh {
 };
 
 /// The distance, no farther from 0 than `band`.
-class MeshDistanceField final : public Field {
+class MeshDistanceField final : public produce::Field {
  public:
   MeshDistanceField(std::shared_ptr<const MeshQuery> mesh, double band)
       : mesh_(std::move(mesh)), band_(band) {}
 
-  void sample(const VoxelBlock& block, std::span<float> values) const override;
+  void sample(const produce::VoxelBlock& block, std::span<float> values) const override;
   ValueRange bounds(const Box3d& box, double coarsest_spacing) const override;
 
  private:
@@ -37,12 +37,12 @@ class MeshDistanceField final : public Field {
 
 /// The distance to the plane through the nearest points of the mesh along the three axes (appendix A): exact
 /// beside a plane, elsewhere of the right order. Lines instead of the report's slices of a rasteriser.
-class AxisDistanceField final : public Field {
+class AxisDistanceField final : public produce::Field {
  public:
   AxisDistanceField(std::shared_ptr<const MeshQuery> mesh, double band)
       : mesh_(std::move(mesh)), band_(band) {}
 
-  void sample(const VoxelBlock& block, std::span<float> values) const override;
+  void sample(const produce::VoxelBlock& block, std::span<float> values) const override;
   ValueRange bounds(const Box3d& box, double coarsest_spacing) const override;
 
  private:
@@ -50,4 +50,4 @@ class AxisDistanceField final : public Field {
   double band_;
 };
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

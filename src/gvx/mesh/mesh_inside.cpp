@@ -1,4 +1,4 @@
-#include "gvx/produce/mesh_inside.h"
+#include "gvx/mesh/mesh_inside.h"
 
 #include <algorithm>
 #include <bit>
@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <utility>
 
-namespace gvx::produce {
+namespace gvx::mesh {
 namespace {
 
 using Key = std::array<double, 3>;
@@ -256,4 +256,4 @@ InsideRule settle_inside(io::TriangleMesh& mesh) {
   return judge.rule();
 }
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

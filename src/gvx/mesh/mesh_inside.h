@@ -15,7 +15,7 @@
 #include "gvx/core/vec.h"
 #include "gvx/io/mesh.h"
 
-namespace gvx::produce {
+namespace gvx::mesh {
 
 /// How lines that cross a mesh tell what is inside.
 enum class InsideRule {
@@ -147,4 +147,4 @@ double weld_distance(const Box3d& bounds);
 /// The rule of a mesh that is in memory. Triangles that are to be left out are removed from it.
 InsideRule settle_inside(io::TriangleMesh& mesh);
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

@@ -15,10 +15,10 @@
 #include <gtest/gtest.h>
 
 #include "gvx/io/mesh.h"
-#include "gvx/produce/mesh_spool.h"
+#include "gvx/mesh/mesh_spool.h"
 #include "gvx/store/store_reader.h"
 
-namespace gvx::produce {
+namespace gvx::mesh {
 
 /// An icosahedron's triangles, each cut into four `cuts` times, its vertices on a sphere.
 inline io::TriangleMesh sphere_mesh(Vec3d centre, double radius, int cuts) {
@@ -127,4 +127,4 @@ inline std::unique_ptr<MeshSpool> spooled(const io::TriangleMesh& mesh) {
   return spool;
 }
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

@@ -1,4 +1,4 @@
-#include "gvx/produce/mesh_slabs.h"
+#include "gvx/mesh/mesh_slabs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "gvx/io/scratch_file.h"
 
-namespace gvx::produce {
+namespace gvx::mesh {
 namespace {
 
 /// A voxel sees no surface that is farther away.
@@ -245,4 +245,4 @@ Status MeshSlabs::read(const Slab& slab, std::uint64_t index, std::span<SlabTria
   return triangles_.read((slab.first + index) * sizeof(SlabTriangle), std::as_writable_bytes(out));
 }
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

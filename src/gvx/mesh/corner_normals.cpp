@@ -1,10 +1,10 @@
-#include "gvx/produce/corner_normals.h"
+#include "gvx/mesh/corner_normals.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-namespace gvx::produce {
+namespace gvx::mesh {
 namespace {
 
 /// Between triangles that turn by more than this the surface has an edge: the cosine of 45 degrees.
@@ -88,4 +88,4 @@ Status CornerNormals::for_each(const std::function<Status(const std::array<Norma
   });
 }
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

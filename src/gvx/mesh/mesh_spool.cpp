@@ -1,4 +1,4 @@
-#include "gvx/produce/mesh_spool.h"
+#include "gvx/mesh/mesh_spool.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "gvx/io/external_sort.h"
 
-namespace gvx::produce {
+namespace gvx::mesh {
 namespace {
 
 constexpr std::uint64_t kBlockVertices = 512;
@@ -234,4 +234,4 @@ Result<std::unique_ptr<MeshSpool>> spool_mesh(const std::string& path, const std
   return spool;
 }
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

@@ -16,9 +16,9 @@
 #include "gvx/core/result.h"
 #include "gvx/core/vec.h"
 #include "gvx/io/mesh.h"
-#include "gvx/produce/mesh_inside.h"
+#include "gvx/mesh/mesh_inside.h"
 
-namespace gvx::produce {
+namespace gvx::mesh {
 
 /// Thread-safe once it is made.
 class MeshQuery {
@@ -86,4 +86,4 @@ class MeshQuery {
   std::unique_ptr<Scene> scene_;
 };
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

@@ -1,7 +1,7 @@
 // Meshes that do not fit memory: what is known of them, their corners' normals, the slabs that they are
 // sorted into, and that a store does not tell in how many slabs it was made.
 
-#include "gvx/produce/mesh_voxels.h"
+#include "gvx/mesh/mesh_voxels.h"
 
 #include <fstream>
 #include <iterator>
@@ -9,11 +9,11 @@
 
 #include <gtest/gtest.h>
 
-#include "gvx/produce/corner_normals.h"
-#include "gvx/produce/mesh_query.h"
-#include "gvx/produce/mesh_test_support.h"
+#include "gvx/mesh/corner_normals.h"
+#include "gvx/mesh/mesh_query.h"
+#include "gvx/mesh/mesh_test_support.h"
 
-namespace gvx::produce {
+namespace gvx::mesh {
 namespace {
 
 io::TriangleMesh cube() {
@@ -482,4 +482,4 @@ TEST_F(MeshInside, unions_are_the_same_bytes_in_however_many_slabs) {
 }
 
 }  // namespace
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

@@ -1,4 +1,4 @@
-#include "gvx/produce/mesh_voxels.h"
+#include "gvx/mesh/mesh_voxels.h"
 
 #include <algorithm>
 #include <array>
@@ -13,11 +13,12 @@
 
 #include "gvx/exec/parallel.h"
 #include "gvx/io/mesh.h"
-#include "gvx/produce/mesh_query.h"
+#include "gvx/mesh/mesh_query.h"
 #include "gvx/store/pyramid.h"
+#include "gvx/store/shape_check.h"
 #include "gvx/store/store_writer.h"
 
-namespace gvx::produce {
+namespace gvx::mesh {
 namespace {
 
 constexpr VoxelFormat kFormat{VoxelType::u8, VoxelContent::color_normal, 7};
@@ -226,6 +227,14 @@ class MeshVoxels {
 Result<MeshStoreReport> build_mesh_store(const exec::Device& cpu, const MeshSpool& mesh,
                                          const std::string& path, const MeshStoreOptions& options,
                                          const MeshBuildProgress& progress) {
+  if (cpu.kind() != exec::DeviceKind::cpu) {
+    return Error{"build_mesh_store: runs on the CPU only; expected Device::cpu()"};
+  }
+  GVX_TRY(store::check_tree(options.n, options.m));
+  if (options.resolution < 1) {
+    return Error{options.source + ": a resolution of " + std::to_string(options.resolution) +
+                 " voxels; expected 1 or more"};
+  }
   const Box3d& box = mesh.summary().bounds;
   const double size = max_component(box.maximum - box.minimum);
   if (!(size > 1e-30 && size < 1e30)) {
@@ -299,4 +308,4 @@ Result<MeshStoreReport> build_mesh_store(const exec::Device& cpu, const MeshSpoo
   return MeshStoreReport{dimensions, writer->bytes_written(), all.size()};
 }
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

@@ -1,18 +1,19 @@
-#include "gvx/produce/proxy.h"
+#include "gvx/mesh/mesh_proxy.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
-namespace gvx::produce {
+namespace gvx::mesh {
 namespace {
 
 /// Which nodes of a level may be seen, x fastest.
 class SeenNodes {
  public:
-  SeenNodes(const Producer& producer, std::uint32_t level,
+  SeenNodes(const produce::Producer& producer, std::uint32_t level,
             const std::function<bool(const ChannelRanges&)>& hidden)
       : producer_(producer), hidden_(hidden), level_(level), n_(static_cast<int>(producer.description().n)) {
     edge_ = static_cast<std::int64_t>(nodes_across(n_, level));
@@ -55,7 +56,7 @@ class SeenNodes {
     }
   }
 
-  const Producer& producer_;
+  const produce::Producer& producer_;
   const std::function<bool(const ChannelRanges&)>& hidden_;
   std::uint32_t level_;
   int n_;
@@ -65,13 +66,15 @@ class SeenNodes {
 
 }  // namespace
 
-Result<std::shared_ptr<const Proxy>> Proxy::in_tree_space(io::TriangleMesh mesh) {
+Result<std::shared_ptr<const scene::Proxy>> MeshProxy::in_tree_space(io::TriangleMesh mesh) {
   const InsideRule rule = settle_inside(mesh);
   GVX_ASSIGN(auto query, MeshQuery::create(std::move(mesh), rule));
-  return std::shared_ptr<const Proxy>(new Proxy(std::move(query)));
+  return std::shared_ptr<const scene::Proxy>(new MeshProxy(std::move(query)));
 }
 
-Result<std::shared_ptr<const Proxy>> Proxy::create(io::TriangleMesh mesh, const TreeDescription& tree) {
+Result<std::shared_ptr<const scene::Proxy>> MeshProxy::create(io::TriangleMesh mesh,
+                                                              const produce::TreeDescription& tree) {
+  GVX_TRY(check_placement(tree.tree_to_world));
   const Affine3 to_tree = inverse(tree.tree_to_world);
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v)
     mesh.vertices[v] = Vec3f(to_tree.point(mesh.place(v)));
@@ -79,8 +82,13 @@ Result<std::shared_ptr<const Proxy>> Proxy::create(io::TriangleMesh mesh, const 
   return in_tree_space(std::move(mesh));
 }
 
-Result<io::TriangleMesh> Proxy::of_nodes(const Producer& producer, std::uint32_t level,
-                                         const std::function<bool(const ChannelRanges&)>& hidden) {
+Result<io::TriangleMesh> MeshProxy::of_nodes(const produce::Producer& producer, std::uint32_t level,
+                                             const std::function<bool(const ChannelRanges&)>& hidden) {
+  constexpr double kMostAcross = 512;
+  if (nodes_across(static_cast<int>(producer.description().n), level) > kMostAcross) {
+    return Error{"proxy: level " + std::to_string(level) +
+                 " has more than 512 nodes along an axis; expected a coarser one"};
+  }
   SeenNodes seen(producer, level, hidden);
   GVX_TRY(seen.find(NodeKey{}));
   io::TriangleMesh mesh;
@@ -113,16 +121,17 @@ Result<io::TriangleMesh> Proxy::of_nodes(const Producer& producer, std::uint32_t
   return mesh;
 }
 
-Result<std::shared_ptr<const Proxy>> Proxy::around_nodes(
-    const Producer& producer, std::uint32_t level, const std::function<bool(const ChannelRanges&)>& hidden) {
+Result<std::shared_ptr<const scene::Proxy>> MeshProxy::around_nodes(
+    const produce::Producer& producer, std::uint32_t level,
+    const std::function<bool(const ChannelRanges&)>& hidden) {
   GVX_ASSIGN(io::TriangleMesh mesh, of_nodes(producer, level, hidden));
   return in_tree_space(std::move(mesh));
 }
 
-RayInterval Proxy::span(const Ray& ray, bool origin_inside) const {
+RayInterval MeshProxy::span(const Ray& ray, bool origin_inside) const {
   const auto ends = mesh_->first_and_last(Vec3f(ray.origin), Vec3f(ray.direction));
   if (!ends) return {1, 0};
   return {origin_inside ? 0.0 : double(ends->first), double(ends->second)};
 }
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

@@ -1,4 +1,4 @@
-#include "gvx/produce/mesh_query.h"
+#include "gvx/mesh/mesh_query.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <embree3/rtcore.h>
 #endif
 
-namespace gvx::produce {
+namespace gvx::mesh {
 
 #if defined(GVX_WITH_EMBREE)
 namespace {
@@ -292,4 +292,4 @@ void MeshQuery::changes(const std::vector<Crossing>& crossings, std::vector<floa
   }
 }
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

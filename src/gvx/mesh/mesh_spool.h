@@ -16,9 +16,9 @@
 #include "gvx/core/result.h"
 #include "gvx/io/mesh.h"
 #include "gvx/io/scratch_file.h"
-#include "gvx/produce/mesh_inside.h"
+#include "gvx/mesh/mesh_inside.h"
 
-namespace gvx::produce {
+namespace gvx::mesh {
 
 /// Display red, green and blue.
 using Rgb8 = std::array<std::uint8_t, 3>;
@@ -115,4 +115,4 @@ class MeshSpool final : public io::MeshSink {
 Result<std::unique_ptr<MeshSpool>> spool_mesh(const std::string& path, const std::string& folder,
                                               std::uint64_t memory_bytes, const io::MeshProgress& progress);
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

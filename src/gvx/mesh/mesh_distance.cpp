@@ -1,9 +1,9 @@
-#include "gvx/produce/mesh_distance.h"
+#include "gvx/mesh/mesh_distance.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace gvx::produce {
+namespace gvx::mesh {
 namespace {
 
 /// Of distances in single precision near the unit cube.
@@ -38,7 +38,7 @@ PlacedMesh PlacedMesh::in_cube(io::TriangleMesh mesh, double margin) {
   return placed;
 }
 
-void MeshDistanceField::sample(const VoxelBlock& block, std::span<float> values) const {
+void MeshDistanceField::sample(const produce::VoxelBlock& block, std::span<float> values) const {
   const auto band = static_cast<float>(band_), spacing = static_cast<float>(block.spacing);
   const Vec3d low = block.first, high = block.centre(block.edge - 1, block.edge - 1, block.edge - 1);
   const ValueRange all = distances_in(*mesh_, {low, high}, band_);
@@ -46,7 +46,7 @@ void MeshDistanceField::sample(const VoxelBlock& block, std::span<float> values)
     std::fill(values.begin(), values.end(), all.minimum);
     return;
   }
-  for_each_row(block, values, [&](Vec3d first, std::span<float> row) {
+  produce::for_each_row(block, values, [&](Vec3d first, std::span<float> row) {
     float before = band;
     bool inside = false, known = false;
     for (std::size_t i = 0; i < row.size(); ++i) {
@@ -68,7 +68,7 @@ ValueRange MeshDistanceField::bounds(const Box3d& box, double) const {
   return distances_in(*mesh_, box, band_);
 }
 
-void AxisDistanceField::sample(const VoxelBlock& block, std::span<float> values) const {
+void AxisDistanceField::sample(const produce::VoxelBlock& block, std::span<float> values) const {
   const std::size_t edge = block.edge;
   // Of each voxel the sum over the axes of the inverse squares of what its lines find, and how many of them
   // find it inside.
@@ -125,4 +125,4 @@ ValueRange AxisDistanceField::bounds(const Box3d& box, double) const {
   return d.minimum > 0 ? ValueRange{away, band} : ValueRange{-band, -away};
 }
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

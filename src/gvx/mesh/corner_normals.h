@@ -15,7 +15,7 @@
 #include "gvx/core/vec.h"
 #include "gvx/io/external_sort.h"
 
-namespace gvx::produce {
+namespace gvx::mesh {
 
 /// Unit length is 32767; 0 where there is none.
 using Normal16 = std::array<std::int16_t, 3>;
@@ -65,4 +65,4 @@ class CornerNormals {
   std::optional<Corners> corners_;
 };
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh

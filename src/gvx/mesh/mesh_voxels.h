@@ -10,11 +10,11 @@
 #include "gvx/core/result.h"
 #include "gvx/core/up_axis.h"
 #include "gvx/exec/device.h"
-#include "gvx/produce/mesh_slabs.h"
-#include "gvx/produce/mesh_spool.h"
+#include "gvx/mesh/mesh_slabs.h"
+#include "gvx/mesh/mesh_spool.h"
 #include "gvx/store/format.h"
 
-namespace gvx::produce {
+namespace gvx::mesh {
 
 struct MeshStoreOptions {
   std::int64_t resolution = 512;  ///< voxels along the longest side of the mesh
@@ -41,4 +41,4 @@ Result<MeshStoreReport> build_mesh_store(const exec::Device& cpu, const MeshSpoo
                                          const std::string& path, const MeshStoreOptions& options,
                                          const MeshBuildProgress& progress);
 
-}  // namespace gvx::produce
+}  // namespace gvx::mesh
