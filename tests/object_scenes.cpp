@@ -162,9 +162,10 @@ render::Pass ResidentScene::next_pass() {
 void ResidentScene::produce_lacking() {
   std::uniform_real_distribution<double> share(0, 1);
   for (const auto& resident : residents_) {
+    const std::vector<engine::Lacking> all = resident->residency.collect(number_, number_);
     engine::Room room = resident->residency.room(engine::Eviction::unused);
     std::vector<produce::FinishedElement> made;
-    for (const engine::Lacking& lacking : resident->residency.collect(number_, number_)) {
+    for (const engine::Lacking& lacking : all) {
       if (share(random_) < how_.withheld || !room.take(lacking.element.kind)) continue;
       made.push_back(resident->made(lacking.element));
     }
