@@ -83,7 +83,8 @@ class SlotTable {
     unused_ += count;
   }
   std::uint32_t withheld() const { return usage_.withheld(); }
-  std::uint32_t oldest_pass() const { return usage_.oldest_pass(); }
+  /// In which pass a slot that may be given away was used last; 0 is the oldest.
+  std::uint32_t pass(std::uint32_t age) const { return usage_.pass(age); }
 
   /// Names what is in an empty slot; nothing else may have the name.
   void put(std::uint32_t slot, const Key& key) {

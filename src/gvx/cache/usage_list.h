@@ -51,8 +51,8 @@ class UsageList {
   /// So many of those that were withheld can be given away again, as the oldest.
   void restore(std::uint32_t count);
   std::uint32_t withheld() const { return static_cast<std::uint32_t>(withheld_.size()); }
-  /// In which pass the oldest slot was used last.
-  std::uint32_t oldest_pass() const { return stamps_.view()[order_.view()[0]]; }
+  /// In which pass a slot was used last: the oldest for 0, the next one for 1..
+  std::uint32_t pass(std::uint32_t age) const { return stamps_.view()[order_.view()[age]]; }
 
   /// All slots that can be given away, the oldest first.
   std::span<const std::uint32_t> order() const { return {order_.view().data, givable_}; }

@@ -39,8 +39,8 @@ Volume* MemoryBudget::with_oldest(const Volume& but, Eviction eviction) const {
   Volume* oldest = nullptr;
   for (Volume* volume : volumes_) {
     if (volume == &but || volume->residency().room(eviction).bricks == 0) continue;
-    const bool older = oldest == nullptr ||
-                       volume->residency().oldest_brick_pass() < oldest->residency().oldest_brick_pass();
+    const bool older =
+        oldest == nullptr || volume->residency().brick_pass(0) < oldest->residency().brick_pass(0);
     if (older) oldest = volume;
   }
   return oldest;
@@ -50,24 +50,26 @@ void MemoryBudget::make_room(Volume& volume, std::size_t wanted, Eviction evicti
   Residency& residency = volume.residency();
   const std::uint64_t brick = residency.bricks().brick_bytes();
   while (residency.withheld_bricks() > 0) {
-    const std::size_t room = residency.room(eviction).bricks;
-    if (room >= wanted) return;
-    const auto lack = std::min<std::uint64_t>(wanted - room, residency.withheld_bricks());
+    const std::uint64_t empty = residency.free_bricks();
+    if (empty >= wanted) return;
+    const std::uint64_t lack = std::min<std::uint64_t>(wanted - empty, residency.withheld_bricks());
     const std::uint64_t bytes_left = left();
-    const std::uint64_t fit = std::min(lack, bytes_left / brick);
-    if (fit > 0) {
+    if (const std::uint64_t fit = std::min(lack, bytes_left / brick); fit > 0) {
       residency.restore_bricks(static_cast<std::uint32_t>(fit));
       continue;
     }
     Volume* giver = with_oldest(volume, eviction);
     if (giver == nullptr) return;
-    // Some at a time: then another's may be the oldest.
-    constexpr std::uint64_t kMostAtOnce = 64;
     Residency& from = giver->residency();
+    const bool own_may_go = residency.room(eviction).bricks > empty;
+    if (own_may_go && residency.brick_pass(static_cast<std::uint32_t>(empty)) <= from.brick_pass(0)) return;
+    // Of bricks some at a time: then another's may be the oldest.
+    constexpr std::uint64_t kMostAtOnce = 16;
     const std::uint64_t bytes = lack * brick - std::min(bytes_left, lack * brick);
     const std::uint64_t count = (bytes + from.bricks().brick_bytes() - 1) / from.bricks().brick_bytes();
-    from.withhold_bricks(static_cast<std::uint32_t>(
-        std::min({count, kMostAtOnce, std::uint64_t(from.room(eviction).bricks)})));
+    const std::uint64_t most = std::max(from.free_bricks(), kMostAtOnce);
+    from.withhold_bricks(
+        static_cast<std::uint32_t>(std::min({count, most, std::uint64_t(from.room(eviction).bricks)})));
   }
 }
 

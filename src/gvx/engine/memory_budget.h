@@ -19,8 +19,9 @@ class MemoryBudget {
   void add(Volume* volume);
   void remove(const Volume* volume);
 
-  /// Makes room for `wanted` bricks of a volume, as far as possible: at the cost of the volume's own oldest
-  /// bricks, of bytes that nobody has, and then of the oldest bricks of others; those in use only by force.
+  /// Makes room for `wanted` bricks of a volume, as far as possible: of bytes that nobody has, and of those
+  /// of other volumes' bricks that were not used for longer than the volume's own oldest; those in use only
+  /// by force.
   void make_room(Volume& volume, std::size_t wanted, Eviction eviction);
 
  private:

@@ -113,8 +113,8 @@ class Residency {
   void withhold_bricks(std::uint32_t count);
   void restore_bricks(std::uint32_t count) { brick_slots_.restore(count); }
   std::uint32_t withheld_bricks() const { return brick_slots_.withheld(); }
-  /// In which pass the oldest brick's slot was used last.
-  std::uint32_t oldest_brick_pass() const { return brick_slots_.oldest_pass(); }
+  /// In which pass a brick's slot was used last; 0 is the oldest slot, which may be empty.
+  std::uint32_t brick_pass(std::uint32_t age) const { return brick_slots_.pass(age); }
 
   /// Takes in what producers made; what failed is passed over.
   CommitCounts commit(std::vector<produce::FinishedElement> made, Eviction eviction);

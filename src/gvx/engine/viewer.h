@@ -20,9 +20,9 @@
 #include "gvx/engine/seen_world.h"
 #include "gvx/engine/statistics.h"
 #include "gvx/engine/world.h"
-#include "gvx/scene/proxy.h"
 #include "gvx/render/frame/film.h"
 #include "gvx/render/march_pass.h"
+#include "gvx/scene/proxy.h"
 
 namespace gvx::engine {
 

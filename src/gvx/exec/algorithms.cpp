@@ -55,8 +55,8 @@ std::size_t stable_partition(const Device& device, BufferView<std::uint32_t> ite
   return with_policy(device, items.size, [&](auto policy) {
     thrust::copy(policy, items.begin(), items.end(), scratch.begin());
     const auto middle =
-        thrust::copy_if(policy, scratch.begin(), scratch.end(), flags.begin(), items.begin(), IsZero{});
-    thrust::copy_if(policy, scratch.begin(), scratch.end(), flags.begin(), middle, IsNonzero{});
+        thrust::copy_if(policy, scratch.begin(), scratch.begin() + items.size, flags.begin(), items.begin(), IsZero{});
+    thrust::copy_if(policy, scratch.begin(), scratch.begin() + items.size, flags.begin(), middle, IsNonzero{});
     return static_cast<std::size_t>(middle - items.begin());
   });
 }

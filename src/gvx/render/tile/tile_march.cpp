@@ -36,9 +36,10 @@ void march_object_of(const ObjectView& object, std::uint32_t pass, const RaysOfT
   });
   marcher.march(deadline);
   rays.for_each([&](std::uint32_t i) {
-    const std::uint32_t segment = states[i].segment;
+    const RayState before = states[i];
     marcher.put_state(i, states[i]);
-    states[i].segment = segment;
+    states[i].segment = before.segment;
+    states[i].epoch = before.epoch;
     if (pixels != nullptr) pixels[i].add_counts(marcher.pixel(i));
   });
 }
