@@ -78,14 +78,6 @@ NodeKey AmplifyProducer::in_volume(const NodeKey& key) const {
   return volume_->canonical(above);
 }
 
-NodeKey AmplifyProducer::canonical(const NodeKey& key) const {
-  // Noise is another everywhere, but nothing has none.
-  const NodeKey one = in_volume(key);
-  tree::NodeInfo info;
-  const bool known = volume_->describe(std::span(&one, 1), std::span(&info, 1)).ok();
-  return known && info.ranges.constant() ? one : key;
-}
-
 Status AmplifyProducer::describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const {
   std::vector<NodeKey> above(keys.size());
   std::transform(keys.begin(), keys.end(), above.begin(), [&](const NodeKey& key) { return in_volume(key); });

@@ -39,6 +39,10 @@ class DeeperProducer final : public Producer {
   }
   Status produce_batch(const BrickBatch& batch) const override { return tree_->produce_batch(batch); }
   Batching batching() const override { return tree_->batching(); }
+  void start(const ElementBatch& batch, std::shared_ptr<ElementSink> sink) const override {
+    tree_->start(batch, std::move(sink));
+  }
+  std::size_t most_under_way() const override { return tree_->most_under_way(); }
   std::uint64_t bytes_read() const override { return tree_->bytes_read(); }
   ProductionTimes times() const override { return tree_->times(); }
 
