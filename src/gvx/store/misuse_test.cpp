@@ -108,7 +108,8 @@ TEST_F(MisusedWriter, adds_nothing_to_a_complete_store) {
   expect_error(writer_->add_section("late", 1, false, bytes), "complete");
   EXPECT_FALSE(writer_->add_block(bytes).ok());
   EXPECT_FALSE(writer_->finish(info()).ok());
-  EXPECT_TRUE(verify(exec::Device::cpu(), testing::TempDir() + "gvx_misuse.gvx", {}).ok());
+  const auto sound = verify(exec::Device::cpu(), testing::TempDir() + "gvx_misuse.gvx", {});
+  EXPECT_TRUE(sound.ok()) << sound.error().message;
 }
 
 TEST(IndexOfManyPages, layers_that_come_too_late_and_gaps_are_errors) {
