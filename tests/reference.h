@@ -12,8 +12,8 @@
 
 #include "gvx/core/affine.h"
 #include "gvx/core/voxel.h"
-#include "gvx/render/film.h"
-#include "gvx/render/view.h"
+#include "gvx/render/frame/film.h"
+#include "gvx/render/frame/view.h"
 
 namespace gvx::tests {
 

@@ -9,7 +9,7 @@
 
 #include "gvx/engine/engine.h"
 #include "gvx/produce/producer.h"
-#include "gvx/render/frame.h"
+#include "gvx/render/frame/frame.h"
 #include "reference.h"
 
 namespace gvx::tests {

@@ -12,7 +12,7 @@
 #include <hwy/targets.h>
 
 #include "gvx/engine/residency.h"
-#include "gvx/render/instruction_set.h"
+#include "gvx/render/vectors/instruction_set.h"
 #include "gvx/scene/label_table.h"
 #include "test_scenes.h"
 
@@ -196,7 +196,9 @@ void expect_previews_alike(const TestScene& scene, const std::string& what) {
   ASSERT_TRUE(residency.plant_root().ok());
   ASSERT_TRUE(residency.plant_root_brick().ok());
   const render::Frame frame = render::Frame::make(cpu, scene.view, tree).value();
-  residency.set_visibility(frame.view().visibility, true);
+  engine::Look look(cpu, 200, 60);
+  residency.attach(look);
+  residency.set_visibility(look, frame.view().visibility);
   const std::uint32_t width = scene.view.width, height = scene.view.height;
   exec::Buffer<render::RayState> rays(cpu, width * height);
   exec::Buffer<render::PreviewPixel> plain(cpu, width * height), vectors(cpu, width * height);
@@ -216,7 +218,8 @@ void expect_previews_alike(const TestScene& scene, const std::string& what) {
     pass.tile_usage = residency.tile_usage();
     pass.brick_usage = residency.brick_usage();
     pass.requests = residency.requests();
-    pass.cells = residency.cell_masks();
+    pass.hidden = look.hidden();
+    pass.cells = look.cells();
     pass.number = number;
     pass.epoch = 1;
     std::vector<produce::Job> jobs[2];
@@ -224,7 +227,7 @@ void expect_previews_alike(const TestScene& scene, const std::string& what) {
       pass.one_ray_at_a_time = one_ray;
       EXPECT_TRUE(render::march_preview(cpu, pass, grid, tiles.view(), exec::no_deadline(), block, number,
                                         rays.view(), (one_ray ? plain : vectors).view()));
-      jobs[one_ray ? 0 : 1] = residency.collect(number);
+      jobs[one_ray ? 0 : 1] = residency.collect(number, number);
     }
     for (std::uint32_t y = 0; y < height; y += block) {
       for (std::uint32_t x = 0; x < width; x += block) {

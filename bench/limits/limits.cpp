@@ -18,7 +18,7 @@
 
 #include "gvx/engine/engine.h"
 #include "gvx/produce/store_producer.h"
-#include "gvx/render/stretch_batch.h"
+#include "gvx/render/tile/stretch_batch.h"
 #include "gvx/scene/framing.h"
 #include "gvx/store/store_reader.h"
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "dense_volume.h"
-#include "gvx/render/film.h"
-#include "gvx/render/view.h"
+#include "gvx/render/frame/film.h"
+#include "gvx/render/frame/view.h"
 
 namespace gvx::bench {
 

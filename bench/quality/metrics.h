@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "gvx/render/film.h"
+#include "gvx/render/frame/film.h"
 
 namespace gvx::bench {
 

@@ -10,7 +10,7 @@
 #include "brute_force.h"
 #include "gvx/core/result.h"
 #include "gvx/engine/engine.h"
-#include "gvx/render/view.h"
+#include "gvx/render/frame/view.h"
 #include "gvx/scene/value_statistics.h"
 
 namespace gvx::bench {

@@ -8,7 +8,6 @@
 #include <span>
 
 #include "gvx/brick/brick_layout.h"
-#include "gvx/brick/cell_masks.h"
 #include "gvx/core/index.h"
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
@@ -45,7 +44,6 @@ class BrickPool {
   /// `slots` bricks of `brick_bytes` each.
   BrickPool(const exec::Device& device, std::size_t brick_bytes, std::uint32_t slots);
 
-  CellMasks& cell_masks() { return cell_masks_; }
   /// All slots, as bytes.
   const std::byte* bytes() const { return bytes_.view().data; }
   std::uint32_t slots() const { return slots_; }
@@ -58,7 +56,6 @@ class BrickPool {
   std::size_t brick_bytes_;
   std::uint32_t slots_;
   exec::Buffer<std::byte> bytes_;
-  CellMasks cell_masks_;
 };
 
 }  // namespace gvx::brick

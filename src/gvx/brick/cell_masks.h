@@ -1,6 +1,7 @@
 /// \file
 /// CellMasks: 64 bits for each slot of a brick pool that say which of its cells can be seen. They are found
-/// by whoever first needs them, and hold until the brick or the transfer function is another. On a CPU.
+/// by whoever first needs them, and hold until the brick or the transfer function is another. Each viewer has
+/// its own. On a CPU.
 #pragma once
 
 #include <cstdint>

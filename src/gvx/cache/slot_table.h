@@ -20,7 +20,7 @@ namespace gvx::cache {
 
 /// Which slots may be given away.
 enum class Eviction {
-  unused,  ///< only what the last pass did not touch: a preview's rays come back to what they used
+  unused,  ///< only what is not in use: a preview's rays come back to what they touched
   any      ///< the oldest, used or not: exact rays have passed the bricks that they used
 };
 
@@ -51,8 +51,12 @@ class SlotTable {
   /// What an occupied slot holds.
   const Key& key(std::uint32_t slot) const { return owners_[slot].key; }
 
-  /// After a pass: the slots that it stamped become the newest.
-  void order_by_use(std::uint32_t pass) { unused_ = usage_.order_by_use(pass); }
+  /// After a pass: the slots that it stamped become the newest. Those that pass `in_use_since` or a later one
+  /// stamped are in use.
+  void order_by_use(std::uint32_t pass, std::uint32_t in_use_since) {
+    usage_.order_by_use(pass);
+    unused_ = usage_.unused_since(in_use_since);
+  }
   /// How many slots take() would give.
   std::uint32_t room(Eviction eviction) const {
     return eviction == Eviction::any ? usage_.givable() : unused_;
@@ -102,7 +106,7 @@ class SlotTable {
   UsageList usage_;
   std::vector<Owner> owners_;  // of each slot
   std::unordered_map<Key, std::uint32_t, Hash> slot_of_;
-  std::uint32_t unused_;  // at the front of the order: what the last pass did not stamp
+  std::uint32_t unused_;  // at the front of the order
 };
 
 }  // namespace gvx::cache

@@ -19,7 +19,7 @@ TEST(SlotTable, gives_away_what_was_not_used_and_then_the_oldest) {
   EXPECT_EQ(table.room(Eviction::unused), 0u);
   for (const std::uint32_t slot : first.slots) table.put(slot, 10 * static_cast<int>(slot));
   table.usage().touch(2, 7);
-  table.order_by_use(7);
+  table.order_by_use(7, 7);
   EXPECT_EQ(table.room(Eviction::unused), 2u);
   EXPECT_EQ(table.room(Eviction::any), 3u);
   const TakenSlots taken = table.take(1, Eviction::unused);
@@ -47,7 +47,7 @@ TEST(SlotTable, agrees_with_a_list_and_a_map) {
       used[slot] = true;
       table.usage().touch(slot, pass);
     }
-    table.order_by_use(pass);
+    table.order_by_use(pass, pass);
     const auto middle =
         std::stable_partition(order.begin(), order.end(), [&](auto slot) { return !used[slot]; });
     const auto unused = static_cast<std::uint32_t>(middle - order.begin());

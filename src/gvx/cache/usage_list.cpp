@@ -27,18 +27,28 @@ UsageList::UsageList(const exec::Device& device, std::uint32_t slots, std::uint3
   std::iota(order_.view().begin(), order_.view().end(), reserved);
 }
 
-std::uint32_t UsageList::order_by_use(std::uint32_t pass) {
+void UsageList::order_by_use(std::uint32_t pass) {
+  GVX_CHECK(pass >= last_pass_);
+  last_pass_ = pass;
   exec::for_each(device_, "flag_used", order_.size(),
                  FlagUsed{order_.view(), stamps_.view(), flags_.view(), pass});
-  const std::size_t unused = exec::stable_partition(device_, order_.view(), flags_.view(), scratch_.view());
+  exec::stable_partition(device_, order_.view(), flags_.view(), scratch_.view());
   device_.synchronize();
-  return static_cast<std::uint32_t>(unused);
+}
+
+std::uint32_t UsageList::unused_since(std::uint32_t first) const {
+  const auto order = order_.view();
+  const auto stamps = stamps_.view();
+  const auto* used = std::partition_point(order.begin(), order.end(),
+                                          [&](std::uint32_t slot) { return stamps[slot] < first; });
+  return static_cast<std::uint32_t>(used - order.begin());
 }
 
 std::vector<std::uint32_t> UsageList::take_oldest(std::uint32_t count) {
   GVX_CHECK(count <= givable());
   const auto order = order_.view();
   std::vector<std::uint32_t> taken(order.begin(), order.begin() + count);
+  for (const std::uint32_t slot : taken) stamps_.view()[slot] = last_pass_;
   std::rotate(order.begin(), order.begin() + count, order.end());
   return taken;
 }

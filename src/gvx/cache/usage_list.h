@@ -35,11 +35,15 @@ class UsageList {
   /// Slots that can be given away.
   std::uint32_t givable() const { return static_cast<std::uint32_t>(order_.size()); }
 
-  /// Moves the slots stamped `pass` behind the others, both in their old order; returns how many others there
-  /// are.
-  std::uint32_t order_by_use(std::uint32_t pass);
+  /// After a pass, whose number is greater than those before: moves the slots that it stamped behind the
+  /// others, both in their old order.
+  void order_by_use(std::uint32_t pass);
 
-  /// Gives the `count` oldest slots to new content: they become the newest, in order.
+  /// How many slots, at the front of the order, were last stamped before pass `first`.
+  std::uint32_t unused_since(std::uint32_t first) const;
+
+  /// Gives the `count` oldest slots to new content: they become the newest, in order, as if the last pass had
+  /// stamped them.
   std::vector<std::uint32_t> take_oldest(std::uint32_t count);
 
   /// All slots that can be given away, the oldest first.
@@ -48,6 +52,7 @@ class UsageList {
  private:
   exec::Device device_;
   exec::Buffer<std::uint32_t> stamps_, order_, flags_, scratch_;
+  std::uint32_t last_pass_ = 0;
 };
 
 }  // namespace gvx::cache

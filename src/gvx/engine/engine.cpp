@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "gvx/exec/parallel.h"
-#include "gvx/render/instruction_set.h"
+#include "gvx/render/vectors/instruction_set.h"
 
 namespace gvx::engine {
 namespace {
@@ -93,7 +93,10 @@ Engine::Engine(const exec::Device& device, std::shared_ptr<const produce::Produc
     : device_(device),
       producer_(std::move(producer)),
       residency_(device, *producer_, sizes),
-      queue_(producer_, device.kind() == exec::DeviceKind::cpu ? device.threads() : kCudaProducers) {}
+      look_(device, sizes.tiles, sizes.bricks),
+      queue_(producer_, device.kind() == exec::DeviceKind::cpu ? device.threads() : kCudaProducers) {
+  residency_.attach(look_);
+}
 
 Status Engine::look(const render::View& asked) {
   render::View view = asked;
@@ -133,7 +136,11 @@ Status Engine::look(const render::View& asked) {
   view_ = view;
   GVX_TRY(look_coarsely());
   cut_rays();
-  residency_.set_visibility(frame_->view().visibility, sees_otherwise);
+  if (sees_otherwise) {
+    residency_.set_visibility(look_, frame_->view().visibility);
+  } else {
+    look_.move_tables(frame_->view().visibility);
+  }
   film_->clear();
   unfinished_tiles_.resize(film_->grid().tiles());
   std::iota(unfinished_tiles_.begin(), unfinished_tiles_.end(), 0u);
@@ -195,13 +202,14 @@ render::Pass Engine::pass(const render::Frame& frame) {
   const bool of_this_view = &frame == &*frame_ || (moving_frame_ && &frame == &*moving_frame_);
   if (of_this_view && spans_.size() > 0) pass.frame.proxy = spans_.view().data;
   pass.nodes = residency_.nodes().view();
+  pass.hidden = look_.hidden();
   pass.bricks = residency_.bricks().bytes();
   pass.tile_usage = residency_.tile_usage();
   pass.brick_usage = residency_.brick_usage();
   pass.requests = residency_.requests();
   pass.number = stamp_;
   pass.lone_ray = lone_ray_;
-  pass.cells = residency_.cell_masks();
+  pass.cells = look_.cells();
   pass.one_ray_at_a_time = one_ray_at_a_time_;
   pass.epoch = film_->epoch();
   pass.blank_tiles = film_->blank_tiles();
@@ -278,7 +286,7 @@ void Engine::report(const RayProgress& progress) {
 /// time; where even one tile of them does, what is in use may be pushed out: they have passed it.
 std::vector<produce::Job> Engine::collect() {
   const TimeSum::Span committing(committing_);
-  const std::vector<produce::Job> lacking = residency_.collect(stamp_);
+  const std::vector<produce::Job> lacking = residency_.collect(stamp_, stamp_);
   statistics_.requests += residency_.requested();
   std::vector<produce::Job> jobs = lacking;
   eviction_ = Eviction::unused;
@@ -432,8 +440,10 @@ Status Engine::render_for(std::chrono::nanoseconds budget) {
   GVX_CHECK(film_.has_value());
   begin_frame();
   ++stamp_;
-  GVX_ASSIGN(const CommitCounts planted, residency_.plant_root_brick());
-  look_at_bounds(planted);
+  if (!look_.hides(residency_.nodes().ranges(tree::NodePool::root()))) {
+    GVX_ASSIGN(const CommitCounts planted, residency_.plant_root_brick());
+    look_at_bounds(planted);
+  }
   GVX_TRY(take_finished());
   // However short the budget, each frame gets somewhere.
   const exec::Deadline wanted = frame_start_ + budget;
@@ -537,7 +547,7 @@ void Engine::prefetch(exec::Deadline deadline) {
   std::vector<produce::Job> jobs;
   {
     const TimeSum::Span committing(committing_);
-    jobs = residency_.collect(stamp_);
+    jobs = residency_.collect(stamp_, stamp_);
   }
   if (jobs.empty() && drawn) camera_before_.reset();
   if (jobs.empty()) return;

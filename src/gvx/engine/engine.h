@@ -17,6 +17,7 @@
 
 #include "gvx/core/result.h"
 #include "gvx/core/time_sum.h"
+#include "gvx/engine/look.h"
 #include "gvx/engine/preview_pace.h"
 #include "gvx/engine/residency.h"
 #include "gvx/engine/statistics.h"
@@ -24,8 +25,8 @@
 #include "gvx/produce/producer.h"
 #include "gvx/produce/production_queue.h"
 #include "gvx/produce/proxy.h"
-#include "gvx/render/film.h"
-#include "gvx/render/frame.h"
+#include "gvx/render/frame/film.h"
+#include "gvx/render/frame/frame.h"
 #include "gvx/render/march_pass.h"
 
 namespace gvx::engine {
@@ -131,6 +132,7 @@ class Engine {
   bool adapts_levels_ = true;
   std::shared_ptr<const produce::Producer> producer_;
   Residency residency_;
+  Look look_;
   produce::ProductionQueue queue_;
   std::shared_ptr<const produce::Proxy> proxy_;
   std::function<void(const std::string&)> warn_;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "gvx/render/film.h"
+#include "gvx/render/frame/film.h"
 
 namespace gvx::engine {
 namespace {

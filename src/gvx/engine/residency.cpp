@@ -49,15 +49,14 @@ Status Residency::plant_root() {
   const NodeKey root;
   tree::NodeInfo info;
   GVX_TRY(producer_.describe(std::span(&root, 1), std::span(&info, 1)));
-  nodes_.reset_node(tree::NodePool::root(), info, is_transparent(info.ranges));
+  nodes_.reset_node(tree::NodePool::root(), info);
+  for (Look* look : looks_) look->classify_node(nodes_, tree::NodePool::root());
   return {};
 }
 
 Result<CommitCounts> Residency::plant_root_brick() {
   const NodeIndex root = tree::NodePool::root();
-  if (nodes_.content(root).kind() != tree::ContentKind::none || nodes_.child(root).transparent()) {
-    return CommitCounts{};
-  }
+  if (nodes_.content(root).kind() != tree::ContentKind::none) return CommitCounts{};
   const Job job{NodeKey{}, JobKind::brick};
   askers_[job] = {root};
   GVX_ASSIGN(CommitCounts counts, commit(produce::make(producer_, std::span(&job, 1)), Eviction::any));
@@ -65,22 +64,25 @@ Result<CommitCounts> Residency::plant_root_brick() {
   return counts;
 }
 
-void Residency::set_visibility(const scene::Visibility& visibility, bool another) {
-  visibility_ = visibility;
-  if (!another) return;
-  bricks_.cell_masks().forget_all();
-  nodes_.reclassify([&](const ChannelRanges& ranges) { return is_transparent(ranges); });
+void Residency::attach(Look& look) {
+  looks_.push_back(&look);
+  classify_all(look);
 }
 
-bool Residency::is_transparent(const ChannelRanges& ranges) const {
-  if (!visibility_) return false;
-  bool any_values = false;
-  for (std::uint32_t c = 0; c < visibility_->channels; ++c) {
-    any_values = any_values || ranges.channel[c].minimum <= ranges.channel[c].maximum;
+void Residency::detach(Look& look) {
+  std::erase(looks_, &look);
+}
+
+void Residency::set_visibility(Look& look, const scene::Visibility& visibility) {
+  look.see(visibility);
+  classify_all(look);
+}
+
+void Residency::classify_all(Look& look) const {
+  look.classify_node(nodes_, tree::NodePool::root());
+  for (std::uint32_t tile = 1; tile < nodes_.tiles(); ++tile) {
+    if (tile_slots_.occupied(tile)) look.classify_tile(nodes_, TileIndex(tile));
   }
-  // What has no data is not seen, but of a mean it must be known how much of its ray that is.
-  if (!any_values && visibility_->mode != scene::Mode::mean) return true;
-  return visibility_->hides(ranges);
 }
 
 NodeKey Residency::key_of(NodeIndex node) const {
@@ -106,9 +108,9 @@ bool Residency::is_gone(NodeIndex node) const {
   return tile.value != 0 && !tile_slots_.occupied(tile.value);
 }
 
-std::vector<Job> Residency::collect(std::uint32_t pass) {
-  tile_slots_.order_by_use(pass);
-  brick_slots_.order_by_use(pass);
+std::vector<Job> Residency::collect(std::uint32_t pass, std::uint32_t in_use_since) {
+  tile_slots_.order_by_use(pass, in_use_since);
+  brick_slots_.order_by_use(pass, in_use_since);
   askers_.clear();
   struct Urgent {
     Job job;
@@ -161,11 +163,12 @@ void Residency::fill_tile(TileIndex tile, const Produced& made) {
   for (std::uint32_t i = 0; i < nodes_.nodes_per_tile(); ++i) {
     const NodeIndex node = nodes_.node_of(tile, i);
     const tree::NodeInfo& info = made.children[i];
-    nodes_.reset_node(node, info, is_transparent(info.ranges));
+    nodes_.reset_node(node, info);
     if (info.ranges.constant()) continue;
     link(node, {made.child_keys[i], JobKind::brick});
     if (!info.terminal) link(node, {made.child_keys[i], JobKind::children});
   }
+  for (Look* look : looks_) look->classify_tile(nodes_, tile);
 }
 
 std::optional<BrokenBounds> Residency::broken_bounds(NodeIndex node, const Produced& made) const {
@@ -207,6 +210,7 @@ Result<CommitCounts> Residency::commit(std::vector<Produced> made, Eviction evic
   for (std::size_t i = 0; i < for_bricks.slots.size(); ++i) {
     const std::uint32_t slot = for_bricks.slots[i];
     bricks_.write(BrickIndex(slot), bricks[i]->voxels);
+    for (Look* look : looks_) look->forget_brick(BrickIndex(slot));
     brick_slots_.put(slot, bricks[i]->job.key);
   }
   for (std::size_t i = 0; i < for_tiles.slots.size(); ++i)
@@ -226,7 +230,8 @@ Result<CommitCounts> Residency::commit(std::vector<Produced> made, Eviction evic
         }
       }
       if (p.constant) {
-        nodes_.set_constant(node, *p.constant, is_transparent(*p.constant));
+        nodes_.set_constant(node, *p.constant);
+        for (Look* look : looks_) look->classify_node(nodes_, node);
       } else {
         link(node, p.job);
       }
@@ -253,7 +258,11 @@ void Residency::check_invariants() const {
       GVX_CHECK(brick_slots_.find(key) == content.brick().value);
     }
     if (content.kind() == tree::ContentKind::constant) GVX_CHECK(nodes_.ranges(node).constant());
-    GVX_CHECK(child_word.transparent() == is_transparent(nodes_.ranges(node)));
+    const TileIndex tile = nodes_.tile_of(node);
+    for (const Look* look : looks_) {
+      GVX_CHECK(look->hidden().at(tile.value, i - nodes_.node_of(tile, 0).value) ==
+                look->hides(nodes_.ranges(node)));
+    }
     tree::NodeInfo info;
     GVX_CHECK(producer_.describe(std::span(&key, 1), std::span(&info, 1)).ok());
     GVX_CHECK(nodes_.ranges(node) == info.ranges || nodes_.ranges(node).constant());

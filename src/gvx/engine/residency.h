@@ -13,10 +13,10 @@
 #include "gvx/cache/request_marks.h"
 #include "gvx/cache/slot_table.h"
 #include "gvx/core/result.h"
+#include "gvx/engine/look.h"
 #include "gvx/exec/device.h"
 #include "gvx/produce/producer.h"
 #include "gvx/produce/production_queue.h"
-#include "gvx/scene/visibility.h"
 #include "gvx/tree/node_pool.h"
 
 namespace gvx::engine {
@@ -63,20 +63,23 @@ class Residency {
   /// Makes the root's brick where a preview would have nothing else to show.
   Result<CommitCounts> plant_root_brick();
 
-  /// What says which nodes are transparent; its tables must live until the next call. Where it is another
-  /// than before, and not only at another address, the resident nodes are reclassified.
-  void set_visibility(const scene::Visibility& visibility, bool another);
+  /// Keeps a look up to date from now on; it must live until it is detached.
+  void attach(Look& look);
+  void detach(Look& look);
+  /// An attached look sees by this from now on: the resident nodes are classified anew. The tables must live
+  /// until its next visibility.
+  void set_visibility(Look& look, const scene::Visibility& visibility);
 
   const tree::NodePool& nodes() const { return nodes_; }
   const brick::BrickPool& bricks() const { return bricks_; }
   cache::UsageView tile_usage() { return tile_slots_.usage(); }
-  brick::CellMaskView cell_masks() { return bricks_.cell_masks().view(); }
   cache::UsageView brick_usage() { return brick_slots_.usage(); }
   cache::RequestView requests() { return marks_.view(); }
 
   /// After a pass: orders both caches by use, and returns what its rays lack, the most urgent first, each
   /// once. What is resident under another name is linked at once.
-  std::vector<produce::Job> collect(std::uint32_t pass);
+  /// What pass `in_use_since` and later ones have touched is in use.
+  std::vector<produce::Job> collect(std::uint32_t pass, std::uint32_t in_use_since);
 
   /// Drops jobs, from the back, that commit() would have no room for; returns whether there were any.
   bool limit_to_room(std::vector<produce::Job>& jobs, Eviction eviction) const;
@@ -94,7 +97,7 @@ class Residency {
 
  private:
   NodeKey key_of(NodeIndex node) const;
-  bool is_transparent(const ChannelRanges& ranges) const;
+  void classify_all(Look& look) const;
   void link(NodeIndex node, const produce::Job& job);
   /// Has the node's tile been given away?
   bool is_gone(NodeIndex node) const;
@@ -105,7 +108,7 @@ class Residency {
   tree::NodePool nodes_;
   brick::BrickPool bricks_;
   cache::RequestMarks marks_;
-  std::optional<scene::Visibility> visibility_;
+  std::vector<Look*> looks_;
   cache::SlotTable<NodeKey, NodeKeyHash> tile_slots_;   // of nodes_, by the canonical parent
   cache::SlotTable<NodeKey, NodeKeyHash> brick_slots_;  // of bricks_, by the canonical node
   // Who asked for a job in the last collect; with shared sub-trees there may be many.

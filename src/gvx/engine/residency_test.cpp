@@ -80,6 +80,11 @@ TEST_P(RandomWalk, keeps_every_invariant) {
   const int n = static_cast<int>(producer->description().n);
   Residency residency(exec::Device::cpu(2), *producer, GetParam().sizes);
   ASSERT_TRUE(residency.plant_root().ok());
+  // Two viewers; one comes late.
+  const PoolSizes sizes = GetParam().sizes;
+  Look first(exec::Device::cpu(2), sizes.tiles, sizes.bricks);
+  Look second(exec::Device::cpu(2), sizes.tiles, sizes.bricks);
+  residency.attach(first);
   std::mt19937 generator(21);
   const auto random = [&](std::uint32_t below) { return static_cast<std::uint32_t>(generator()) % below; };
 
@@ -95,7 +100,9 @@ TEST_P(RandomWalk, keeps_every_invariant) {
   std::vector<Produced> late;  // made, but committed in a later pass
   std::uint64_t committed = 0, linked = 0;
   for (std::uint32_t pass = 1; pass <= 400; ++pass) {
-    if (random(25) == 0) residency.set_visibility(seen_by(random(3)), true);
+    if (pass == 50) residency.attach(second);
+    if (random(25) == 0) residency.set_visibility(first, seen_by(random(3)));
+    if (pass >= 50 && random(25) == 0) residency.set_visibility(second, seen_by(random(3)));
     // Rays: walks from the root that stamp what they use and mark what they lack.
     for (int ray = 0; ray < 12; ++ray) {
       NodeIndex node = tree::NodePool::root();
@@ -117,7 +124,7 @@ TEST_P(RandomWalk, keeps_every_invariant) {
         node = residency.nodes().node_of(word.children(), random(static_cast<std::uint32_t>(n * n * n)));
       }
     }
-    std::vector<Job> jobs = residency.collect(pass);
+    std::vector<Job> jobs = residency.collect(pass, pass - std::min(pass, random(3)));
     residency.check_invariants();
     std::map<std::array<std::uint64_t, 5>, int> seen;
     for (const Job& job : jobs) {
@@ -145,7 +152,7 @@ TEST(Residency, sponge_needs_one_tile_and_one_brick_for_any_depth) {
   ASSERT_TRUE(residency.plant_root().ok());
   residency.requests().request(tree::NodePool::root(), cache::kNeedsBrick | cache::kNeedsChildren, 1);
   std::vector<Produced> made;
-  for (const Job& job : residency.collect(1)) made.push_back(make(sponge, job));
+  for (const Job& job : residency.collect(1, 1)) made.push_back(make(sponge, job));
   ASSERT_EQ(made.size(), 2u);
   ASSERT_TRUE(residency.commit(std::move(made), Eviction::unused).ok());
   NodeIndex node = tree::NodePool::root();
@@ -163,7 +170,7 @@ TEST(Residency, an_error_of_a_producer_is_returned_and_the_rest_committed) {
   ASSERT_TRUE(residency.plant_root().ok());
   residency.requests().request(tree::NodePool::root(), cache::kNeedsBrick | cache::kNeedsChildren, 1);
   std::vector<Produced> made;
-  for (const Job& job : residency.collect(1)) made.push_back(make(*producer, job));
+  for (const Job& job : residency.collect(1, 1)) made.push_back(make(*producer, job));
   ASSERT_EQ(made.size(), 2u);
   (made[0].job.kind == JobKind::brick ? made[0] : made[1]).status = Error{"brick is gone"};
   const auto counts = residency.commit(std::move(made), Eviction::unused);

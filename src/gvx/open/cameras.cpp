@@ -5,7 +5,7 @@
 
 #include "gvx/open/scene_view.h"
 #include "gvx/open/visible_bounds.h"
-#include "gvx/render/frame.h"
+#include "gvx/render/frame/frame.h"
 #include "gvx/scene/framing.h"
 
 namespace gvx::open {

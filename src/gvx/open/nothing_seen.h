@@ -6,8 +6,8 @@
 #include <string>
 
 #include "gvx/produce/producer.h"
-#include "gvx/render/film.h"
-#include "gvx/render/view.h"
+#include "gvx/render/frame/film.h"
+#include "gvx/render/frame/view.h"
 
 namespace gvx::open {
 

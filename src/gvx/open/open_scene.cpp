@@ -5,7 +5,7 @@
 #include "gvx/open/cameras.h"
 #include "gvx/open/functions.h"
 #include "gvx/open/scene_view.h"
-#include "gvx/render/frame.h"
+#include "gvx/render/frame/frame.h"
 
 namespace gvx::open {
 namespace {

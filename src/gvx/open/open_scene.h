@@ -11,7 +11,7 @@
 #include "gvx/core/result.h"
 #include "gvx/open/open_volume.h"
 #include "gvx/open/options.h"
-#include "gvx/render/view.h"
+#include "gvx/render/frame/view.h"
 #include "gvx/scene/camera_path.h"
 #include "gvx/scene/scene_file.h"
 

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "gvx/render/march_kernels.h"
-#include "gvx/render/tile_march.h"
+#include "gvx/render/reference/march_kernels.h"
+#include "gvx/render/tile/tile_march.h"
 
 namespace gvx::render {
 namespace kernels {

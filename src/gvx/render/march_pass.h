@@ -14,8 +14,9 @@
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
 #include "gvx/exec/tile_grid.h"
-#include "gvx/render/frame.h"
-#include "gvx/render/ray_state.h"
+#include "gvx/render/frame/frame.h"
+#include "gvx/render/frame/ray_state.h"
+#include "gvx/tree/hidden_nodes.h"
 #include "gvx/tree/node_pool.h"
 
 namespace gvx::render {
@@ -25,10 +26,11 @@ struct Pass {
   std::uint32_t n = 2, m = 16;
   FrameView frame;
   tree::NodePoolView nodes;
+  tree::HiddenNodesView hidden;       ///< from the viewer
   const std::byte* bricks = nullptr;  ///< all slots of the brick pool
   cache::UsageView tile_usage, brick_usage;
   cache::RequestView requests;
-  brick::CellMaskView cells;
+  brick::CellMaskView cells;                    ///< of bricks that the viewer can see something in
   std::uint32_t number = 0;                     ///< the stamp of this pass
   std::uint32_t epoch = 0;                      ///< of the film
   exec::BufferView<std::uint32_t> blank_tiles;  ///< Film::blank_tiles; for previews, or nothing

@@ -35,10 +35,9 @@ NodePool::NodePool(const exec::Device& device, std::uint32_t n, std::uint32_t ti
   GVX_CHECK(child_.size() <= kPointerMask);
 }
 
-void NodePool::reset_node(NodeIndex node, const NodeInfo& info, bool transparent) {
+void NodePool::reset_node(NodeIndex node, const NodeInfo& info) {
   const bool constant = info.ranges.constant();
-  child_.view()[node.value] = {(info.terminal || constant ? kTerminalBit : 0) |
-                               (transparent ? kTransparentBit : 0)};
+  child_.view()[node.value] = {info.terminal || constant ? kTerminalBit : 0};
   content_.view()[node.value] = constant ? ContentWord::constant() : ContentWord{};
   for (std::uint32_t c = 0; c < channels_; ++c) {
     range_.view()[std::size_t(c) * nodes() + node.value] = info.ranges.channel[c];
@@ -55,8 +54,8 @@ void NodePool::set_content(NodeIndex node, ContentWord content) {
   content_.view()[node.value] = content;
 }
 
-void NodePool::set_constant(NodeIndex node, const ChannelRanges& values, bool transparent) {
-  reset_node(node, {values.at_minimum(), true}, transparent);
+void NodePool::set_constant(NodeIndex node, const ChannelRanges& values) {
+  reset_node(node, {values.at_minimum(), true});
 }
 
 void NodePool::clear_pointers(std::span<const std::uint32_t> recycled_tiles,
@@ -70,11 +69,6 @@ void NodePool::clear_pointers(std::span<const std::uint32_t> recycled_tiles,
       ClearRecycled{child_.view(), content_.view(), tile_recycled_.view().data, brick_recycled_.view().data});
   for (const std::uint32_t tile : recycled_tiles) tile_recycled_.view()[tile] = 0;
   for (const std::uint32_t brick : recycled_bricks) brick_recycled_.view()[brick] = 0;
-}
-
-void NodePool::set_transparent(NodeIndex node, bool transparent) {
-  ChildWord& word = child_.view()[node.value];
-  word.bits = transparent ? word.bits | kTransparentBit : word.bits & ~kTransparentBit;
 }
 
 }  // namespace gvx::tree

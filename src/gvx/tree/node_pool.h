@@ -63,26 +63,17 @@ class NodePool {
   }
 
   /// Writes a node afresh: no children, no brick; constant where its range is.
-  void reset_node(NodeIndex node, const NodeInfo& info, bool transparent);
+  void reset_node(NodeIndex node, const NodeInfo& info);
   void set_children(NodeIndex node, TileIndex children);
   void set_content(NodeIndex node, ContentWord content);
   /// Makes a node constant after all: its brick, once made, was of one value a channel.
-  void set_constant(NodeIndex node, const ChannelRanges& values, bool transparent);
+  void set_constant(NodeIndex node, const ChannelRanges& values);
 
   /// Clears every pointer to these tiles and bricks; `bricks` is the size of the brick pool.
   void clear_pointers(std::span<const std::uint32_t> recycled_tiles,
                       std::span<const std::uint32_t> recycled_bricks, std::uint32_t bricks);
 
-  /// Sets each node's transparent bit to `is_transparent(ranges)`.
-  template <typename Function>
-  void reclassify(Function is_transparent) {
-    for (std::uint32_t i = 0; i < nodes(); ++i)
-      set_transparent(NodeIndex(i), is_transparent(ranges(NodeIndex(i))));
-  }
-
  private:
-  void set_transparent(NodeIndex node, bool transparent);
-
   exec::Device device_;
   std::uint32_t tiles_, nodes_per_tile_, channels_;
   exec::Buffer<ChildWord> child_;

@@ -6,29 +6,39 @@
 
 #include <gtest/gtest.h>
 
+#include "gvx/tree/hidden_nodes.h"
+
 namespace gvx::tree {
 namespace {
 
 TEST(NodePool, words_keep_their_parts_apart) {
   NodePool pool(exec::Device::cpu(), 2, 10, 1);
   const NodeIndex node = pool.node_of(TileIndex(3), 5);
-  pool.reset_node(node, {ValueRange{1, 4}, false}, true);
+  pool.reset_node(node, {ValueRange{1, 4}, false});
   pool.set_children(node, TileIndex(7));
   pool.set_content(node, ContentWord::of_brick(BrickIndex(123456)));
   EXPECT_EQ(pool.child(node).children(), TileIndex(7));
-  EXPECT_TRUE(pool.child(node).transparent());
   EXPECT_FALSE(pool.child(node).terminal());
   EXPECT_EQ(pool.content(node).kind(), ContentKind::brick);
   EXPECT_EQ(pool.content(node).brick(), BrickIndex(123456));
   EXPECT_EQ(pool.tile_of(node), TileIndex(3));
-  pool.reclassify([](const ChannelRanges& ranges) { return ranges.channel[0].maximum < 2; });
-  EXPECT_FALSE(pool.child(node).transparent());
-  EXPECT_EQ(pool.child(node).children(), TileIndex(7));
+}
+
+TEST(HiddenNodes, bits_of_a_tile_are_apart) {
+  HiddenNodes hidden(exec::Device::cpu(), 4);
+  hidden.set_tile(TileIndex(2), 0x7ffffff);
+  hidden.set(TileIndex(2), 26, false);
+  hidden.set(TileIndex(3), 26, true);
+  for (std::uint32_t i = 0; i < 27; ++i) {
+    EXPECT_FALSE(hidden.at(TileIndex(1), i));
+    EXPECT_EQ(hidden.at(TileIndex(2), i), i != 26);
+    EXPECT_EQ(hidden.at(TileIndex(3), i), i == 26);
+  }
 }
 
 TEST(NodePool, a_range_of_one_value_is_a_constant_terminal_node) {
   NodePool pool(exec::Device::cpu(), 3, 4, 1);
-  pool.reset_node(NodeIndex(30), {ValueRange{5, 5}, false}, false);
+  pool.reset_node(NodeIndex(30), {ValueRange{5, 5}, false});
   EXPECT_EQ(pool.content(NodeIndex(30)).kind(), ContentKind::constant);
   EXPECT_TRUE(pool.child(NodeIndex(30)).terminal());
 }
@@ -41,7 +51,7 @@ TEST(NodePool, clears_every_pointer_to_what_is_recycled_and_no_other) {
   for (int round = 0; round < 50; ++round) {
     for (std::uint32_t i = 0; i < pool.nodes(); ++i) {
       const NodeIndex node(i);
-      pool.reset_node(node, {ValueRange{0, 1}, false}, false);
+      pool.reset_node(node, {ValueRange{0, 1}, false});
       if (random(2) == 0) pool.set_children(node, TileIndex(1 + random(tiles - 1)));  // many share
       if (random(2) == 0) pool.set_content(node, ContentWord::of_brick(BrickIndex(random(bricks))));
     }

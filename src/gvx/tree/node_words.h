@@ -1,13 +1,13 @@
 /// \file
 /// The words of a node (GPU Pro text, 3.4.2), in separate arrays since a descent needs only the first:
 ///
-///     child     31 terminal | 30 transparent | 29..0 tile of its N^3 children, 0 for none
+///     child     31 terminal | 30 unused | 29..0 tile of its N^3 children, 0 for none
 ///     content   31..30 kind: none, constant, brick | 29..0 slot of its brick
 ///     range     least and greatest value of everything below, of each channel; of a constant node both are
 ///     its value
 ///
-/// *Terminal*: there is nothing finer. *Transparent*: under the current transfer function its whole range is;
-/// set for the resident nodes when the function changes.
+/// *Terminal*: there is nothing finer. What a viewer cannot see of a tree is the viewer's to know
+/// (hidden_nodes.h).
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,6 @@
 namespace gvx::tree {
 
 inline constexpr std::uint32_t kTerminalBit = 1u << 31;
-inline constexpr std::uint32_t kTransparentBit = 1u << 30;
 inline constexpr std::uint32_t kPointerMask = (1u << 30) - 1;
 
 enum class ContentKind : std::uint32_t { none = 0, constant = 1, brick = 2 };
@@ -27,7 +26,6 @@ struct ChildWord {
   std::uint32_t bits = 0;
 
   GVX_HD bool terminal() const { return (bits & kTerminalBit) != 0; }
-  GVX_HD bool transparent() const { return (bits & kTransparentBit) != 0; }
   GVX_HD bool has_children() const { return (bits & kPointerMask) != 0; }
   GVX_HD TileIndex children() const { return TileIndex(bits & kPointerMask); }
 };

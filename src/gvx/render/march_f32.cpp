@@ -1,9 +1,0 @@
-// The march over bricks of f32 voxels.
-
-#include "gvx/render/march_kernels.h"
-
-namespace gvx::render::kernels {
-
-GVX_INSTANTIATE_MARCH(, float)
-
-}  // namespace gvx::render::kernels
