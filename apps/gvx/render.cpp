@@ -93,9 +93,9 @@ Result<scene::SceneFile> read_command(const Options& o) {
     scene.volume = o.scene;
   }
   GVX_TRY(o.flags.apply(scene));
-  if (!scene.volume)
+  if (!scene.volume && scene.objects.empty())
     return Error{o.scene + ": the scene names no volume; expected the field \"volume\", or --volume"};
-  if (o.flags.has_raw()) GVX_TRY(check_takes_raw(*scene.volume));
+  if (o.flags.has_raw() && scene.volume) GVX_TRY(check_takes_raw(*scene.volume));
   // Flags obey the limits that a file's fields obey.
   scene::SceneFile checked;
   const Status limits = scene::read_over(scene::to_document(scene), checked);
@@ -373,7 +373,7 @@ Status render(const Options& o) {
     const std::string text = stats.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
     GVX_TRY(write_text("--stats", o.stats, text + "\n"));
   }
-  const std::string guess = guess_of_up(scene, tree);
+  const std::string guess = guess_of_up(opened.scene, tree);
   if (!guess.empty() && !o.quiet) std::printf("%s\n", one_line(guess).c_str());
   if (!frames && !o.quiet) {
     report(o.output, view, statistics, device);

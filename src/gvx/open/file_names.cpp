@@ -16,16 +16,35 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Renames the files of an object.
 template <typename Rename>
-void rename_files(scene::SceneFile& scene, Rename rename) {
-  if (scene.volume) {
-    const std::size_t file = file_position(*scene.volume);
-    scene.volume = scene.volume->substr(0, file) + rename(scene.volume->substr(file));
+void rename_files(scene::ObjectParts& object, const Rename& rename) {
+  if (object.volume) {
+    const std::size_t file = file_position(*object.volume);
+    object.volume = object.volume->substr(0, file) + rename(object.volume->substr(file));
   }
-  for (scene::FunctionParts& function : scene.functions) {
+  for (scene::FunctionParts& function : object.functions) {
     if (!function.from.empty() && !is_preset(function.from)) function.from = rename(function.from);
   }
-  if (scene.labels && !scene.labels->table.empty()) scene.labels->table = rename(scene.labels->table);
+  if (object.labels && !object.labels->table.empty()) object.labels->table = rename(object.labels->table);
+}
+
+/// Those of all objects.
+template <typename Rename>
+void rename_all_files(scene::SceneFile& scene, const Rename& rename) {
+  rename_files(scene, rename);
+  for (scene::PlacedObject& object : scene.objects) rename_files(object, rename);
+}
+
+void add_files(const scene::ObjectParts& object, std::vector<std::string>& files) {
+  if (object.volume) {
+    const auto more = files_of(object.volume->substr(file_position(*object.volume)), volume_options(object));
+    files.insert(files.end(), more.begin(), more.end());
+  }
+  for (const scene::FunctionParts& function : object.functions) {
+    if (!function.from.empty()) files.push_back(function.from);
+  }
+  if (object.labels && !object.labels->table.empty()) files.push_back(object.labels->table);
 }
 
 /// Of what is no file: addresses, pipes.
@@ -61,19 +80,14 @@ std::vector<std::string> files_of(const std::string& input, const io::VolumeOpti
 
 std::vector<std::string> files_of_scene(const scene::SceneFile& scene) {
   std::vector<std::string> files;
-  if (scene.volume) {
-    files = files_of(scene.volume->substr(file_position(*scene.volume)), volume_options(scene));
-  }
-  for (const scene::FunctionParts& function : scene.functions) {
-    if (!function.from.empty()) files.push_back(function.from);
-  }
-  if (scene.labels && !scene.labels->table.empty()) files.push_back(scene.labels->table);
+  add_files(scene, files);
+  for (const scene::PlacedObject& object : scene.objects) add_files(object, files);
   return files;
 }
 
 void resolve_names(scene::SceneFile& scene, const std::string& scene_path) {
   const fs::path folder = fs::path(scene_path).parent_path();
-  rename_files(scene, [&](const std::string& name) {
+  rename_all_files(scene, [&](const std::string& name) {
     const fs::path here = folder / name;
     std::error_code ignored;
     const bool built_in = name.find_first_of("./") == std::string::npos && !fs::exists(here, ignored);
@@ -84,7 +98,7 @@ void resolve_names(scene::SceneFile& scene, const std::string& scene_path) {
 void relate_names(scene::SceneFile& scene, const std::string& scene_path) {
   std::error_code error;
   const fs::path folder = fs::absolute(scene_path, error).parent_path();
-  rename_files(scene, [&](const std::string& name) {
+  rename_all_files(scene, [&](const std::string& name) {
     if (has_no_place(name) || !fs::exists(name, error)) return name;
     const fs::path there = fs::proximate(name, folder, error);
     return error ? fs::absolute(name).string() : there.string();

@@ -158,8 +158,8 @@ Status check_functions(const scene::ObjectParts& scene, const VoxelFormat& forma
                  naming.advice("--no-labels", "\"labels\": false") + " shows them as values)"};
   }
   if (scene.labels && scene.labels->enabled && !labels) {
-    return Error{naming.name("labels") +
-                 ": the volume's numbers are no labels; gvx build INPUT --labels makes a store of some"};
+    return Error{naming.name("labels") + ": the volume's numbers are no labels" +
+                 naming.advice("; gvx build INPUT --labels makes a store of some", "")};
   }
   return {};
 }

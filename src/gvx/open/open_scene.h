@@ -7,7 +7,9 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
+#include "gvx/core/affine.h"
 #include "gvx/core/result.h"
 #include "gvx/open/open_volume.h"
 #include "gvx/open/options.h"
@@ -26,13 +28,23 @@ struct OpenScene {
 };
 
 /// Opens a scene's volume, after all that can be checked without it; chooses what the scene leaves out, and
-/// makes the view. File names are as seen from the working folder: see resolve_names(). Errors begin with the
-/// field or the file.
+/// makes the view. The scene has one object, which is not moved: see open_objects() for others. File names
+/// are as seen from the working folder: see resolve_names(). Errors begin with the field or the file.
 Result<OpenScene> open_scene(const scene::SceneFile& scene, const OpenOptions& options = {});
 
 /// The same for a volume that is open: what the scene says of the volume itself is not read again. For
 /// another camera or function of a volume that is shown.
 Result<OpenScene> look_at(const OpenVolume& volume, const scene::SceneFile& scene,
                           const OpenOptions& options = {});
+
+/// One of several objects, which can be rendered.
+struct OpenObject {
+  OpenVolume volume;  ///< its producer is shared by the objects that name the same volume in the same way
+  render::View look;  ///< all but the camera
+  Affine3 to_world;   ///< from the world of the volume to that of the scene
+};
+
+/// Opens all objects of a scene; one where it has no list of them. An error begins with the object.
+Result<std::vector<OpenObject>> open_objects(const scene::SceneFile& scene, const OpenOptions& options = {});
 
 }  // namespace gvx::open

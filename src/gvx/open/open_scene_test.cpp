@@ -125,17 +125,51 @@ TEST_F(Opening, errors_name_the_field_or_the_file) {
   expect_error(open(R"({"volume": "sponge", "labels": "none.tsv"})"), "labels: none.tsv: cannot open");
   expect_error(open(R"({"volume": "sponge", "camera": {"up": [0, 0, 0]}})"), "up: expected a direction");
   expect_error(open_ball(R"("mode": "isosurface")"), "isovalue: mode isosurface needs one");
-  expect_error(open_ball(R"("labels": true)"), "labels: the volume's numbers are no labels");
+  expect_error(open(R"({"volume": "sponge", "labels": true})"), "labels: the volume's numbers are no labels");
   expect_error(open_ball(R"("functions": ["gray", "gray"])"), "functions: 2 transfer functions");
   expect_error(open(R"({"volume": "sponge", "function": {"percentile": [1, 99]}})"),
                "functions[0].percentile: the volume has no histogram; window does the same");
   expect_error(open(R"({"volume": "repeat:3:cloud"})"), "power of 2");
 }
 
+TEST_F(Opening, objects_share_a_volume_that_they_name_alike) {
+  const std::string volume = R"("volume": ")" + ball() + "\"";
+  const scene::SceneFile scene =
+      scene::parse_scene(R"({"objects": [{)" + volume + R"(, "function": "gray"}, {"volume": "sponge"}, {)" +
+                             volume + R"(, "mode": "maximum", "transform": {"scale": -2}}]})",
+                         "request")
+          .value();
+  const auto objects = open_objects(scene, options_).value();
+  ASSERT_EQ(objects.size(), 3u);
+  EXPECT_EQ(objects[0].volume.producer, objects[2].volume.producer);
+  EXPECT_NE(objects[0].volume.producer, objects[1].volume.producer);
+  EXPECT_EQ(objects[0].look.mode, scene::Mode::composite);
+  EXPECT_EQ(objects[2].look.mode, scene::Mode::maximum);
+  EXPECT_EQ(objects[0].to_world, Affine3());
+  EXPECT_EQ(objects[2].to_world.point({1, 2, 3}), Vec3d(-2, -4, -6));
+  const std::size_t built = work_.size();
+  EXPECT_GT(built, 0u);
+  expect_error(open_scene(scene, options_), "objects: gvx renders scenes of one object without a transform");
+  EXPECT_EQ(work_.size(), built);
+}
+
+TEST_F(Opening, a_single_object_is_a_scene) {
+  const OpenScene one =
+      open(R"({"objects": [{"volume": "sponge", "mode": "mean"}], "size": [9, 9]})").value();
+  EXPECT_EQ(one.view.mode, scene::Mode::mean);
+  EXPECT_EQ(one.view, open(R"({"volume": "sponge", "mode": "mean", "size": [9, 9]})").value().view);
+  const auto objects = open_objects(scene::parse_scene(R"({"volume": "sponge"})", "a").value(), options_);
+  ASSERT_TRUE(objects.ok());
+  EXPECT_EQ(objects.value().size(), 1u);
+  const auto bad = open_objects(
+      scene::parse_scene(R"({"objects": [{"volume": "sponge"}, {"volume": "none.gvx"}]})", "a").value());
+  EXPECT_EQ(bad.error().message.rfind("objects[1]: none.gvx: ", 0), 0u) << bad.error().message;
+}
+
 TEST_F(Opening, warnings_go_to_who_listens) {
-  std::ofstream(path("near.json"))
-      << R"([{"RGBPoints": [0, 0, 0, 1, 1e-9, 1, 0, 0], "Points": [0, 0, 0.5, 0, 1e-9, 1, 0.5, 0]}])";
-  ASSERT_TRUE(open_ball(R"("function": ")" + path("near.json") + "\"").ok());
+  const std::string function = R"("function": {"colors": [[0, 0, 0, 0], [1e-7, 1, 0, 0], [200, 1, 1, 1]],
+                                                "opacities": [[0, 0], [1e-7, 0.5], [200, 0.9]]})";
+  ASSERT_TRUE(open_ball(function).ok());
   ASSERT_EQ(warnings_.size(), 1u);
   EXPECT_NE(warnings_[0].find("too close to tell apart"), std::string::npos) << warnings_[0];
 }

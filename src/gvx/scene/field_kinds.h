@@ -161,6 +161,19 @@ Field<Parts> object(const char* name, Inner Parts::*member, const FieldTable<Inn
   return field;
 }
 
+/// The items of a list, each read by `read(value, place)`, which returns a Result.
+template <typename Item, typename Read>
+void read_items(JsonFields& fields, const char* name, std::vector<Item>& items, Read read) {
+  const nlohmann::json* list = fields.list(name);
+  if (list == nullptr) return;
+  items.clear();
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    auto value = read((*list)[i], fields.place_of(name) + "[" + std::to_string(i) + "]");
+    if (!value.ok()) return fields.take(value.error());
+    items.push_back(std::move(value).value());
+  }
+}
+
 /// A field that is read and written in a way of its own.
 template <typename Parts>
 Field<Parts> custom(const char* name, std::type_identity_t<std::function<void(JsonFields&, Parts&)>> read,

@@ -6,6 +6,7 @@
 #include "gvx/scene/field_kinds.h"
 #include "gvx/scene/scene_items.h"
 #include "gvx/scene/scene_limits.h"
+#include "gvx/scene/transform_fields.h"
 
 namespace gvx::scene {
 namespace {
@@ -140,6 +141,30 @@ const FieldTable<ObjectParts>& object_table() {
   return table;
 }
 
+Result<PlacedObject> read_placed(const nlohmann::json& value, const std::string& place) {
+  JsonFields fields(value, place);
+  PlacedObject object;
+  read_fields<ObjectParts>(fields, object_table(), object);
+  read_transform(fields, object.transform);
+  GVX_TRY(fields.finish());
+  return object;
+}
+
+void read_objects(JsonFields& fields, SceneFile& scene) {
+  read_items(fields, "objects", scene.objects, read_placed);
+  if (scene.objects.empty() || static_cast<const ObjectParts&>(scene) == ObjectParts()) return;
+  fields.fail(fields.place_of("objects"), "objects, or volume and the like", "both");
+}
+
+void write_objects(WrittenJson& document, const SceneFile& scene) {
+  for (const PlacedObject& object : scene.objects) {
+    WrittenJson parts = WrittenJson::object();
+    write_fields<ObjectParts>(parts, object_table(), object);
+    write_transform(parts, object.transform);
+    document["objects"].push_back(std::move(parts));
+  }
+}
+
 void read_size(JsonFields& fields, SceneFile& scene) {
   const auto size = fields.row("size", {kPixels, kPixels});
   if (!size) return;
@@ -154,6 +179,7 @@ void write_size(WrittenJson& object, const SceneFile& scene) {
 const FieldTable<SceneFile>& picture_table() {
   using Parts = SceneFile;
   static const FieldTable<Parts> table = {
+      custom<Parts>("objects", read_objects, write_objects),
       choice(
           "upAxis", &Parts::up_axis, kUpAxisNames,
           {"--up", "The axis that points up (default: y for glTF, OBJ and PLY, z for STL and other scenes)"}),

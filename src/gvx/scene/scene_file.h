@@ -18,6 +18,7 @@
 #include "gvx/scene/function_range.h"
 #include "gvx/scene/lighting.h"
 #include "gvx/scene/transfer_function.h"
+#include "gvx/scene/transform_parts.h"
 #include "gvx/scene/value_statistics.h"
 #include "gvx/scene/visibility.h"
 
@@ -120,9 +121,17 @@ struct ObjectParts {
   bool operator==(const ObjectParts&) const = default;
 };
 
+/// One of several objects in a scene.
+struct PlacedObject : ObjectParts {
+  TransformParts transform;
+
+  bool operator==(const PlacedObject&) const = default;
+};
+
 /// The fields as they are written. File names are relative to the scene file's folder. scene_fields.cpp has a
 /// row for each field.
 struct SceneFile : ObjectParts {
+  std::vector<PlacedObject> objects;           ///< in place of the fields of ObjectParts; empty: a single one
   std::optional<UpAxis> up_axis;               ///< of world space, also for patients
   std::optional<std::uint32_t> width, height;  ///< both are set, or neither
   std::optional<std::uint32_t> antialias;

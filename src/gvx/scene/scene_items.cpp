@@ -4,21 +4,17 @@
 #include <string>
 #include <utility>
 
+#include "gvx/scene/field_kinds.h"
 #include "gvx/scene/scene_limits.h"
 
 namespace gvx::scene {
 namespace {
 
 using Json = nlohmann::json;
-using WrittenJson = nlohmann::ordered_json;
 
 constexpr NumberRange kFieldOfView{.least = 0, .most = 180, .open = true};
 constexpr NumberRange kPercent{0, 100};
 constexpr NumberRange kOpacityFactor{0, 1000};
-
-std::string item(const std::string& list, std::size_t i) {
-  return list + "[" + std::to_string(i) + "]";
-}
 
 Vec3d vector_of(const std::vector<double>& row, std::size_t first = 0) {
   return {row[first], row[first + 1], row[first + 2]};
@@ -124,18 +120,6 @@ Result<Light> read_light(const Json& object, const std::string& place) {
     return field_error(place + ".place", "a direction", "[0,0,0]");
   }
   return light;
-}
-
-template <typename Item, typename Read>
-void read_items(JsonFields& fields, const char* name, std::vector<Item>& items, Read read) {
-  const Json* list = fields.list(name);
-  if (list == nullptr) return;
-  items.clear();
-  for (std::size_t i = 0; i < list->size(); ++i) {
-    auto value = read((*list)[i], item(fields.place_of(name), i));
-    if (!value.ok()) return fields.take(value.error());
-    items.push_back(std::move(value).value());
-  }
 }
 
 template <typename Parts, typename Read>
