@@ -57,9 +57,10 @@ scene::SceneFile scene_of(const scene::SceneFile& scene, const scene::ObjectPart
 /// The scene itself, or that of its only object.
 Result<scene::SceneFile> scene_of_one(const scene::SceneFile& scene) {
   if (scene.objects.empty()) return scene;
-  if (scene.objects.size() > 1 || scene.objects[0].transform != scene::TransformParts()) {
+  const bool several = scene.objects.size() > 1;
+  if (several || scene.objects[0].transform != scene::TransformParts()) {
     return Error{"objects: gvx renders scenes of one object without a transform; found " +
-                 std::to_string(scene.objects.size()) + (scene.objects.size() > 1 ? "" : " with one")};
+                 (several ? std::to_string(scene.objects.size()) + " objects" : "a transform")};
   }
   return scene_of(scene, scene.objects[0]);
 }
@@ -72,10 +73,9 @@ bool name_the_same_volume(const scene::ObjectParts& a, const scene::ObjectParts&
          a.even_slices == b.even_slices && a.generate == b.generate && labels(a) == labels(b);
 }
 
-/// Opens an object, unless the volume of one before it is the same.
-Result<OpenObject> open_object(const scene::SceneFile& scene, std::span<const scene::PlacedObject> before,
+/// Opens the object that `one` is the scene of, unless the volume of one before it is the same.
+Result<OpenObject> open_object(scene::SceneFile one, std::span<const scene::PlacedObject> before,
                                std::span<const OpenObject> opened, const OpenOptions& options) {
-  scene::SceneFile one = scene;
   GVX_TRY(check_function_files(one, options));
   OpenObject object;
   const auto same = std::find_if(before.begin(), before.end(), [&](const scene::PlacedObject& other) {
