@@ -3,11 +3,11 @@
 #include <filesystem>
 #include <vector>
 
-#include "gvx/produce/mesh_spool.h"
+#include "gvx/mesh/mesh_spool.h"
 
 namespace gvx::open {
 
-std::string mesh_notes(const produce::MeshSummary& summary, bool solid) {
+std::string mesh_notes(const mesh::MeshSummary& summary, bool solid) {
   std::vector<std::string> notes;
   const auto counted = [](std::uint64_t count, const char* one, const char* several) {
     return std::to_string(count) + (count == 1 ? one : several);
@@ -19,7 +19,7 @@ std::string mesh_notes(const produce::MeshSummary& summary, bool solid) {
     notes.push_back(counted(summary.doubled, " triangle is", " triangles are") +
                     " there twice; counted once");
   }
-  if (solid && summary.inside == produce::InsideRule::parity) {
+  if (solid && summary.inside == mesh::InsideRule::parity) {
     notes.emplace_back(
         "faces are not wound alike: filled by the even-odd rule, so what two parts share stays empty");
   }
@@ -39,14 +39,14 @@ Result<BuiltMesh> build_mesh(const std::string& path, const std::string& output,
   const std::string folder = !build.scratch_folder.empty() ? build.scratch_folder
                              : beside.empty()              ? "."
                                                            : beside;
-  const produce::MeshBuildProgress show = [&](const char* what, std::uint64_t done, std::uint64_t all) {
+  const mesh::MeshBuildProgress show = [&](const char* what, std::uint64_t done, std::uint64_t all) {
     const bool voxels = std::string_view(what) == "building";
     options.show_work({what, voxels ? Work::Unit::voxels : Work::Unit::none, done, all});
   };
   GVX_ASSIGN(const auto mesh,
-             produce::spool_mesh(path, folder, build.store.memory_bytes,
-                                 [&](std::uint64_t done, std::uint64_t all) { show("reading", done, all); }));
-  const produce::MeshSummary& summary = mesh->summary();
+             mesh::spool_mesh(path, folder, build.store.memory_bytes,
+                              [&](std::uint64_t done, std::uint64_t all) { show("reading", done, all); }));
+  const mesh::MeshSummary& summary = mesh->summary();
   build.store.solid = build.fill != Fill::shell && summary.closed();
   if (build.fill == Fill::solid && !build.store.solid) {
     return Error{path + ": the mesh is not closed, so it has no inside (" +
@@ -57,7 +57,7 @@ Result<BuiltMesh> build_mesh(const std::string& path, const std::string& output,
   build.store.source = std::filesystem::path(path).filename().string();
   const std::string notes = mesh_notes(summary, build.store.solid);
   if (!notes.empty()) options.warn(path + ": " + notes);
-  GVX_ASSIGN(const auto report, produce::build_mesh_store(options.cpu, *mesh, output, build.store, show));
+  GVX_ASSIGN(const auto report, mesh::build_mesh_store(options.cpu, *mesh, output, build.store, show));
   return BuiltMesh{report, likely};
 }
 

@@ -10,8 +10,8 @@
 #include "gvx/core/up_axis.h"
 #include "gvx/io/mesh.h"
 #include "gvx/io/mesh_parts.h"
+#include "gvx/mesh/mesh_voxels.h"
 #include "gvx/open/options.h"
-#include "gvx/produce/mesh_voxels.h"
 
 namespace gvx::open {
 
@@ -21,20 +21,20 @@ enum class Fill : std::uint8_t { automatic, solid, shell };
 
 /// How a mesh becomes voxels.
 struct MeshBuild {
-  produce::MeshStoreOptions store;  ///< all but what the members below decide
+  mesh::MeshStoreOptions store;     ///< all but what the members below decide
   Fill fill = Fill::automatic;      ///< decides store.solid
   std::optional<UpAxis> up = {};    ///< the axis that points up; none: a guess
   std::string scratch_folder = {};  ///< empty: the folder of the store
 };
 
 struct BuiltMesh {
-  produce::MeshStoreReport store;
+  mesh::MeshStoreReport store;
   io::MeshUp up;  ///< what the mesh itself says of the axis that points up
 };
 
 /// What a user should know of how a mesh was read, without a line end; empty where there is nothing to say.
 /// `solid`: was it filled?
-std::string mesh_notes(const produce::MeshSummary& summary, bool solid);
+std::string mesh_notes(const mesh::MeshSummary& summary, bool solid);
 
 /// Reads the mesh and writes the store.
 Result<BuiltMesh> build_mesh(const std::string& path, const std::string& output, MeshBuild build,

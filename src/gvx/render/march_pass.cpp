@@ -3,6 +3,9 @@
 #include <string>
 
 #include "gvx/render/reference/march_kernels.h"
+#include "gvx/render/reference/object_march.h"
+#include "gvx/render/reference/scene_ray.h"
+#include "gvx/render/tile/scene_march.h"
 #include "gvx/render/tile/tile_march.h"
 
 namespace gvx::render {
@@ -37,44 +40,59 @@ Status check_kernels(const exec::Device& device, VoxelType type, std::uint32_t n
                "; build it with that type in GVX_CUDA_VOXELS"};
 }
 
-bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
-                 exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                 exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
-  if (device.kind() == exec::DeviceKind::cpu && marches_tiles(pass)) {
-    return tile_march(device, pass, grid, tiles, deadline, rays, unfinished);
-  }
-  return with_voxel_type(pass.frame.format.type, [&](auto zero) {
-    return kernels::march_exact<decltype(zero)>(device, pass, grid, tiles, deadline, rays, unfinished);
-  });
+Status check_objects(const exec::Device& device, std::size_t objects) {
+  if (device.kind() == exec::DeviceKind::cpu || objects <= 1) return {};
+  return Error{"a GPU renders scenes of one object so far, not of " + std::to_string(objects) +
+               "; use --device cpu"};
 }
 
-bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
-                   exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
-                   std::uint32_t generation, exec::BufferView<const RayState> rays,
-                   exec::BufferView<PreviewPixel> pixels) {
-  if (device.kind() == exec::DeviceKind::cpu && marches_tiles(pass)) {
-    return tile_preview(device, pass, grid, tiles, deadline, block, generation, rays, pixels);
-  }
-  return with_voxel_type(pass.frame.format.type, [&](auto zero) {
-    return kernels::march_preview<decltype(zero)>(device, pass, grid, tiles, deadline, block, generation,
-                                                  rays, pixels);
-  });
+bool march_exact(const exec::Device& device, const ExactMarch& march) {
+  if (march.pass.objects.size() > 1) return scene_march(device, march);
+  if (device.kind() == exec::DeviceKind::cpu && marches_tiles(march.pass)) return tile_march(device, march);
+  return with_voxel_type(march.pass.object().frame.format.type,
+                         [&](auto zero) { return kernels::march_exact<decltype(zero)>(device, march); });
+}
+
+bool march_preview(const exec::Device& device, const PreviewMarch& march) {
+  if (march.pass.objects.size() > 1) return scene_preview(device, march);
+  if (device.kind() == exec::DeviceKind::cpu && marches_tiles(march.pass)) return tile_preview(device, march);
+  return with_voxel_type(march.pass.object().frame.format.type,
+                         [&](auto zero) { return kernels::march_preview<decltype(zero)>(device, march); });
 }
 
 void march_ray(const Pass& pass, double x, double y, RayState& state) {
-  with_voxel_type(pass.frame.format.type,
-                  [&](auto zero) { kernels::march_ray<decltype(zero)>(pass, x, y, state); });
-}
-
-double distance_to(const Pass& pass, double x, double y, float opacity) {
-  return with_voxel_type(pass.frame.format.type, [&](auto zero) {
-    return kernels::distance_to<decltype(zero)>(pass, x, y, opacity);
-  });
+  if (pass.objects.size() > 1) return SceneRay(pass, x, y).march_exact(state);
+  const auto march = march_of(pass.object(), pass.number);
+  march->begin(x, y);
+  march->march_exact(state);
 }
 
 PreviewPixel preview_ray(const Pass& pass, double x, double y) {
-  return with_voxel_type(pass.frame.format.type,
-                         [&](auto zero) { return kernels::preview_ray<decltype(zero)>(pass, x, y); });
+  if (pass.objects.size() > 1) return SceneRay(pass, x, y).preview();
+  const auto march = march_of(pass.object(), pass.number);
+  march->begin(x, y);
+  RayState state;
+  PreviewPixel pixel;
+  march->march_preview(state, pixel);
+  pixel.color = state.color;
+  pixel.opacity = state.opacity;
+  return pixel;
+}
+
+RayReach reach(const Pass& pass, double x, double y, float opacity) {
+  if (pass.objects.size() > 1) return SceneRay(pass, x, y).reach(opacity);
+  const auto march = march_of(pass.object(), pass.number);
+  march->begin(x, y);
+  RayState state;
+  RayReach reach{opacity};
+  reach.distance = march->march_to(opacity, state);
+  if (reach.distance < INFINITY) reach.object = 0;
+  return reach;
+}
+
+std::unique_ptr<ObjectMarch> march_of(const ObjectView& object, std::uint32_t pass) {
+  return with_voxel_type(object.frame.format.type,
+                         [&](auto zero) { return kernels::march_of<decltype(zero)>(object, pass); });
 }
 
 }  // namespace gvx::render

@@ -1,10 +1,12 @@
 /// \file
 /// One pass of all rays over what is resident: the launch of the march's kernels for the voxel type, N and M
-/// of a tree.
+/// of a tree, or of the march through a scene of several objects.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "gvx/brick/cell_masks.h"
 #include "gvx/cache/request_marks.h"
@@ -21,8 +23,11 @@
 
 namespace gvx::render {
 
-/// What a pass works on; the frame's voxel format, n and m say what the bricks are.
-struct Pass {
+class ObjectTiles;
+
+/// An object of a scene as a viewer sees it; the frame's voxel format, n and m say what the bricks are.
+/// Objects may share a tree.
+struct ObjectView {
   std::uint32_t n = 2, m = 16;
   FrameView frame;
   tree::NodePoolView nodes;
@@ -30,7 +35,14 @@ struct Pass {
   const std::byte* bricks = nullptr;  ///< all slots of the brick pool
   cache::UsageView tile_usage, brick_usage;
   cache::RequestView requests;
-  brick::CellMaskView cells;                    ///< of bricks that the viewer can see something in
+  brick::CellMaskView cells;  ///< of bricks that the viewer can see something in
+};
+
+/// What a pass works on.
+struct Pass {
+  std::span<const ObjectView> objects;  ///< one or more; their frames are of one camera and size
+  /// Where on the film they are; null: that is found anew. For several objects.
+  const ObjectTiles* object_tiles = nullptr;
   std::uint32_t number = 0;                     ///< the stamp of this pass
   std::uint32_t epoch = 0;                      ///< of the film
   exec::BufferView<std::uint32_t> blank_tiles;  ///< Film::blank_tiles; for previews, or nothing
@@ -41,6 +53,12 @@ struct Pass {
 
   /// On a CPU: never many rays in vectors, where there is a choice.
   bool one_ray_at_a_time = false;
+
+  /// The only object of a scene.
+  const ObjectView& object() const {
+    GVX_CHECK(objects.size() == 1);
+    return objects[0];
+  }
 };
 
 /// Are there kernels for a GPU for trees of this n and m?
@@ -54,29 +72,54 @@ constexpr bool has_kernels([[maybe_unused]] std::uint32_t n, [[maybe_unused]] st
 
 /// An error where this build has no kernels for such voxels, n and m on the device.
 Status check_kernels(const exec::Device& device, VoxelType type, std::uint32_t n, std::uint32_t m);
+/// An error where the device renders no scenes of so many objects.
+Status check_objects(const exec::Device& device, std::size_t objects);
 
-/// Marches the exact rays of the listed tiles; sets unfinished[tile] = 1 where a ray of the tile is not
-/// finished. `unfinished` has an entry per tile of the grid. Returns whether no tile was
-/// left out for the deadline; one that was begun has come further, though not always to its end. Where a CPU
-/// marches tiles (tile_march.h) one that has something left to do is begun however late it is, of a preview
-/// too, so that short frames on slow machines come to an end.
-bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
-                 exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                 exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished);
+/// The march of a pass through the listed tiles of a grid, as far as it comes before the deadline.
+struct TilesMarch {
+  const Pass& pass;
+  exec::TileGrid grid;
+  exec::BufferView<const std::uint32_t> tiles;
+  exec::Deadline deadline;
+};
+
+/// That of exact rays.
+struct ExactMarch : TilesMarch {
+  exec::BufferView<RayState> rays;
+  exec::BufferView<std::uint32_t> unfinished;  ///< an entry for each tile of the grid
+};
+
+/// That of previews, one ray for `block` x `block` pixels. The grid is that of the blocks:
+/// ceil(width / block) by ceil(height / block).
+struct PreviewMarch : TilesMarch {
+  std::uint32_t block, generation;
+  exec::BufferView<const RayState> rays;
+  exec::BufferView<PreviewPixel> pixels;
+};
+
+/// Marches exact rays; sets unfinished[tile] = 1 where a ray of the tile is not finished. Returns whether
+/// no tile was left out for the deadline; one that was begun has come further, though not always to its
+/// end. Where a CPU marches tiles (tile_march.h) one that has something left to do is begun however late it
+/// is, of a preview too, so that short frames on slow machines come to an end.
+bool march_exact(const exec::Device& device, const ExactMarch& march);
 
 /// Draws the preview pixels at multiples of `block` that this generation has not drawn yet and whose exact
-/// ray is not finished. The grid is that of the blocks: ceil(width / block) by ceil(height / block).
-bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
-                   exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
-                   std::uint32_t generation, exec::BufferView<const RayState> rays,
-                   exec::BufferView<PreviewPixel> pixels);
+/// ray is not finished.
+bool march_preview(const exec::Device& device, const PreviewMarch& march);
 
 /// Ray (x, y) marches by itself, as march.h says; on a CPU.
 void march_ray(const Pass& pass, double x, double y, RayState& state);
 /// Ray (x, y) draws its preview by itself; on a CPU.
 PreviewPixel preview_ray(const Pass& pass, double x, double y);
-/// The distance from the eye, in the world, at which a preview of ray (x, y) comes to this opacity (march.h);
-/// infinity where it does not. Not for projections; on a CPU.
-double distance_to(const Pass& pass, double x, double y, float opacity);
+
+/// Where a ray comes to an opacity.
+struct RayReach {
+  float opacity = 0;
+  double distance = INFINITY;  ///< from the eye, in the world; infinite where it does not come to it
+  std::int32_t object = -1;    ///< of the pass, most of whose matter is there; -1 for none
+};
+
+/// Where a preview of ray (x, y) comes to this opacity (march.h). Not for projections; on a CPU.
+RayReach reach(const Pass& pass, double x, double y, float opacity);
 
 }  // namespace gvx::render

@@ -20,6 +20,7 @@ struct RayState {
   RayPhase phase = RayPhase::under_way;
   std::uint32_t samples = 0;
   std::uint32_t epoch = 0;
+  std::uint32_t segment = 0;  ///< of several objects: scene_ray.h
 };
 
 /// A pixel of the preview that stands in for a ray that is under way.
@@ -31,6 +32,13 @@ struct PreviewPixel {
   std::uint32_t worst_lack = 0;  ///< the most levels between one wanted and the one shown
   std::uint32_t epoch = 0;       ///< of the film when it was drawn; of another: not drawn
   std::uint32_t generation = 0;  ///< of the preview when it was drawn; of another: to be drawn again
+
+  /// Of a ray that was drawn in parts: adds what another part wanted.
+  void add_counts(const PreviewPixel& part) {
+    wanted += part.wanted;
+    resident += part.resident;
+    worst_lack = worst_lack > part.worst_lack ? worst_lack : part.worst_lack;
+  }
 };
 
 }  // namespace gvx::render

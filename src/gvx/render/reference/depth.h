@@ -31,6 +31,11 @@ GVX_HD Stretch<Voxel, M> one_step(const Stretch<Voxel, M>& s, float i) {
   return one;
 }
 
+/// Does a ray end at the first place where the value is the isovalue?
+GVX_HD inline bool finds_surfaces(const FrameView& frame) {
+  return frame.visibility.mode == scene::Mode::isosurface && frame.format.content == VoxelContent::scalar;
+}
+
 /// Where within one step that holds a surface it is, in steps from the centre.
 template <typename Voxel, int M>
 GVX_HD float surface_in(const RayView& ray, const Stretch<Voxel, M>& one) {
@@ -49,9 +54,8 @@ GVX_HD double distance_in(const RayView& ray, const Stretch<Voxel, M>& s, RaySta
     const float before = state.opacity;
     gather_stretch(ray, one, state);
     if (state.opacity < opacity) continue;
-    const bool surface = ray.frame.visibility.mode == scene::Mode::isosurface &&
-                         ray.frame.format.content == VoxelContent::scalar;
-    const double i = surface ? double(surface_in(ray, one)) : share_to(before, state.opacity, opacity) - 0.5;
+    const double i = finds_surfaces(ray.frame) ? double(surface_in(ray, one))
+                                               : share_to(before, state.opacity, opacity) - 0.5;
     return one.t_centre + i * one.t_step;
   }
   return INFINITY;

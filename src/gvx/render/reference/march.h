@@ -14,6 +14,7 @@
 #include "gvx/render/frame/ray_state.h"
 #include "gvx/render/reference/depth.h"
 #include "gvx/render/reference/gather.h"
+#include "gvx/render/reference/object_ray.h"
 #include "gvx/render/reference/stretch.h"
 #include "gvx/render/reference/tree_walk.h"
 
@@ -23,17 +24,8 @@ template <typename Voxel, int N, int M>
 class RayMarcher {
  public:
   GVX_HD RayMarcher(const PassView<Voxel, N, M>& view, double pixel_x, double pixel_y)
-      : view_(view), walk_(view) {
-    const FrameView& frame = view.frame;
-    ray_world_ = frame.camera.pixel_ray(pixel_x, pixel_y);
-    const Ray from_eye = frame.camera.pixel_ray_from_eye(pixel_x, pixel_y);
-    ray_ = {frame.world_to_tree.vector(from_eye.origin), frame.world_to_tree.vector(from_eye.direction)};
-    inside_ = intersect(ray_, frame.box, 0, 1e300);
-    if (frame.proxy != nullptr && !inside_.empty()) {
-      const auto x = static_cast<std::size_t>(pixel_x), y = static_cast<std::size_t>(pixel_y);
-      first_tick_ = frame.cut(frame.proxy[y * frame.width + x], inside_);
-    }
-    for (int axis = 0; axis < 3; ++axis) inverse_direction_[axis] = 1 / ray_.direction[axis];
+      : view_(view), walk_(view), ray_(view.frame, pixel_x, pixel_y), inside_(ray_.inside) {
+    for (int axis = 0; axis < 3; ++axis) inverse_direction_[axis] = 1 / ray_.tree.direction[axis];
   }
 
   /// Goes on until the ray is finished or lacks data, which it then asks for.
@@ -58,30 +50,25 @@ class RayMarcher {
     return false;
   }
 
-  const Ray& ray_world() const { return ray_world_; }
+  const Ray& ray_world() const { return ray_.world; }
 
-  /// Draws the whole ray with what is resident; asks for what would have been better, coarse levels first.
-  GVX_HD PreviewPixel march_preview() const {
-    PreviewPixel pixel;
-    RayState state;
+  /// Draws the whole ray, or the rest of it, with what is resident; asks for what would have been better,
+  /// coarse levels first. Counts in `pixel` what that wanted.
+  GVX_HD void march_preview(RayState& state, PreviewPixel& pixel) const {
     Stretch<Voxel, M> stretch;
     for (Passed passed; (passed = pass_shown(state, stretch, pixel)) != Passed::nothing;) {
       if (passed == Passed::stretch) gather_stretch(ray_view(), stretch, state);
     }
-    pixel.color = state.color;
-    pixel.opacity = state.opacity;
-    return pixel;
   }
 
-  /// The distance from the eye at which a preview of the ray comes to this opacity, or infinity. Of
-  /// isosurfaces that is the surface; of what is composited it lies within a step as if that were of one
-  /// matter. Not for projections.
-  GVX_HD double march_to(float opacity) const {
+  /// The distance from the eye at which a preview of the ray, or of its rest, comes to this opacity, or
+  /// infinity. Of isosurfaces that is the surface; of what is composited it lies within a step as if that
+  /// were of one matter. Not for projections.
+  GVX_HD double march_to(float opacity, RayState& state) const {
     PreviewPixel ignored;
-    RayState state;
     Stretch<Voxel, M> stretch;
     while (true) {
-      const double tick = state.tick > first_tick_ ? state.tick : first_tick_;
+      const double tick = state.tick > ray_.first_tick ? state.tick : ray_.first_tick;
       const float before = state.opacity;
       const Passed passed = pass_shown(state, stretch, ignored);
       if (passed == Passed::nothing) return INFINITY;
@@ -94,32 +81,10 @@ class RayMarcher {
     }
   }
 
- private:
+ protected:
   /// What a ray went through: nothing more, since it is finished; a stretch, which is to be gathered yet; or
   /// what is transparent, constant or lacking.
   enum class Passed { nothing, stretch, rest };
-
-  /// Moves a preview's ray behind the next node.
-  GVX_HD Passed pass_shown(RayState& state, Stretch<Voxel, M>& stretch, PreviewPixel& pixel) const {
-    Step step;
-    if (state.phase != RayPhase::under_way || !next_step(state, step)) return Passed::nothing;
-    Place place = descend(step, state);
-    const bool lacking = place.lacks();
-    if (place.kind != Place::transparent) {
-      ++pixel.wanted;
-      pixel.resident += lacking ? 0 : 1;
-    }
-    if (lacking) {
-      walk_.ask(place, 1 - state.opacity);
-      if (place.lack != 0) {
-        const std::uint32_t lack = place.lack_of(step.level);
-        pixel.worst_lack = lack > pixel.worst_lack ? lack : pixel.worst_lack;
-      }
-      walk_.ask_for_own(place);
-      if (place.lack != 0) place = walk_.stand_in(place);
-    }
-    return take(state, step, place, stretch) ? Passed::stretch : Passed::rest;
-  }
 
   /// The next step of a ray and how far steps of its level go on.
   struct Step {
@@ -131,11 +96,37 @@ class RayMarcher {
     Vec3d p;  ///< its centre in tree space, from the eye
   };
 
+  /// Moves a preview's ray behind the next node.
+  GVX_HD Passed pass_shown(RayState& state, Stretch<Voxel, M>& stretch, PreviewPixel& pixel) const {
+    Step step;
+    if (state.phase != RayPhase::under_way || !next_step(state, step)) return Passed::nothing;
+    Place place = descend(step, state);
+    make_do(step, 1 - state.opacity, place, pixel);
+    return take(state, step, place, stretch) ? Passed::stretch : Passed::rest;
+  }
+
+  /// Counts what a preview wants at a place; asks for what lacks there, and lets what is resident stand in.
+  GVX_HD void make_do(const Step& step, float gain, Place& place, PreviewPixel& pixel) const {
+    const bool lacking = place.lacks();
+    if (place.kind != Place::transparent) {
+      ++pixel.wanted;
+      pixel.resident += lacking ? 0 : 1;
+    }
+    if (!lacking) return;
+    walk_.ask(place, gain);
+    if (place.lack != 0) {
+      const std::uint32_t lack = place.lack_of(step.level);
+      pixel.worst_lack = lack > pixel.worst_lack ? lack : pixel.worst_lack;
+    }
+    walk_.ask_for_own(place);
+    if (place.lack != 0) place = walk_.stand_in(place);
+  }
+
   GVX_HD double t_at(double tick) const { return inside_.enter + tick * view_.frame.tick_world; }
 
   GVX_HD bool next_step(RayState& state, Step& step) const {
     const FrameView& frame = view_.frame;
-    if (state.tick < first_tick_) state.tick = first_tick_;
+    if (state.tick < ray_.first_tick) state.tick = ray_.first_tick;
     step.tick = state.tick;
     const FrameView::Zone zone = frame.zone_at(inside_.enter, step.tick);
     step.level = zone.level;
@@ -151,11 +142,11 @@ class RayMarcher {
       finish(state);
       return false;
     }
-    step.p = ray_.at(step.t_centre);
+    step.p = ray_.tree.at(step.t_centre);
     return true;
   }
 
-  GVX_HD RayView ray_view() const { return {view_.frame, ray_world_, -Vec3f(ray_world_.direction)}; }
+  GVX_HD RayView ray_view() const { return {view_.frame, ray_.world, -Vec3f(ray_.world.direction)}; }
 
   GVX_HD bool projects() const { return render::projects(view_.frame); }
 
@@ -172,6 +163,22 @@ class RayMarcher {
                     [&](NodeIndex node) { return outdone(view_.frame, view_.nodes, node, state); });
   }
 
+  /// How many steps of this length have their centres in a place's node, of which one is at `t_centre`.
+  GVX_HD double steps_in(const Place& place, double t_centre, double t_step) const {
+    const LevelView& level = view_.frame.levels[place.level];
+    double t_exit = inside_.exit;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double d = ray_.tree.direction[axis];
+      if (d == 0) continue;
+      const double face = level.face(axis, place.cell[axis] + (d > 0 ? 1 : 0));
+      const double t = (face - ray_.tree.origin[axis]) * inverse_direction_[axis];
+      t_exit = t < t_exit ? t : t_exit;
+    }
+    constexpr double kMostSteps = 1e15;
+    const double count = (t_exit - t_centre) / t_step;
+    return std::ceil(count > 1 ? (count < kMostSteps ? count : kMostSteps) : 1);
+  }
+
   /// Moves the ray behind all steps whose centres are in the node. True where they are in a brick: then
   /// `stretch` is yet to be gathered.
   GVX_HD bool take(RayState& state, const Step& step, const Place& place, Stretch<Voxel, M>& stretch) const {
@@ -180,18 +187,7 @@ class RayMarcher {
     const int step_level = coarser ? place.brick_level : step.level;
     const double stride = coarser ? view_.frame.stride[step_level] : step.stride;
     const double t_step = view_.frame.tick_world * stride;
-    const LevelView& level = view_.frame.levels[place.level];
-    double t_exit = inside_.exit;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double d = ray_.direction[axis];
-      if (d == 0) continue;
-      const double face = level.face(axis, place.cell[axis] + (d > 0 ? 1 : 0));
-      const double t = (face - ray_.origin[axis]) * inverse_direction_[axis];
-      t_exit = t < t_exit ? t : t_exit;
-    }
-    constexpr double kMostSteps = 1e15;
-    const double count = (t_exit - step.t_centre) / t_step;
-    double whole = std::ceil(count > 1 ? (count < kMostSteps ? count : kMostSteps) : 1);
+    double whole = steps_in(place, step.t_centre, t_step);
     if (!coarser) {
       const double to_zone_end = std::rint((step.zone_end - step.tick) / stride);  // both are multiples of it
       whole = whole < to_zone_end ? whole : to_zone_end;
@@ -220,7 +216,7 @@ class RayMarcher {
     path.voxels_across = static_cast<float>(at.across * M);
     for (int axis = 0; axis < 3; ++axis) {
       path.first[axis] = static_cast<float>((step.p[axis] - at.corner[axis]) * at.across * M);
-      path.per_step[axis] = static_cast<float>(ray_.direction[axis] * t_step * at.across * M);
+      path.per_step[axis] = static_cast<float>(ray_.tree.direction[axis] * t_step * at.across * M);
     }
     return path;
   }
@@ -241,7 +237,7 @@ class RayMarcher {
     if (view_.frame.adds_noise) {
       s.noisy = &view_.frame;
       s.place = view_.frame.eye_tree + step.p;
-      s.place_step = t_step * ray_.direction;
+      s.place_step = t_step * ray_.tree.direction;
     }
     if (s.blended) s.coarse = path_in(place.parent_slot, place.level - 1, step, place, t_step);
     return s;
@@ -249,11 +245,9 @@ class RayMarcher {
 
   const PassView<Voxel, N, M>& view_;
   TreeWalk<N> walk_;
-  Ray ray_world_;
-  Ray ray_;                  // in tree space, from the eye; t is the distance in the world
+  ObjectRay ray_;
+  RayInterval inside_;       // the ray's
   Vec3d inverse_direction_;  // infinite where a direction is 0
-  double first_tick_ = 0;    // of what a proxy leaves
-  RayInterval inside_;       // of the visible volume, as far as a proxy leaves it
 };
 
 }  // namespace gvx::render

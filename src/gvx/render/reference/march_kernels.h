@@ -3,10 +3,15 @@
 /// Private to this room, and for device sources only.
 #pragma once
 
+#include <memory>
+#include <optional>
+
 #include "gvx/exec/for_each.h"
 #include "gvx/render/march_pass.h"
 #include "gvx/render/reference/march.h"
 #include "gvx/render/reference/march_view.h"
+#include "gvx/render/reference/object_march.h"
+#include "gvx/render/reference/step_cursor.h"
 
 namespace gvx::render::kernels {
 
@@ -46,7 +51,12 @@ struct MarchPreview {
     const std::size_t pixel = std::size_t(y) * view.frame.width + x;
     if (rays[pixel].epoch == epoch && rays[pixel].phase == RayPhase::finished) return;
     if (pixels[pixel].epoch == epoch && pixels[pixel].generation == generation) return;
-    pixels[pixel] = RayMarcher<Voxel, N, M>(view, x, y).march_preview();
+    RayState state;
+    PreviewPixel drawn;
+    RayMarcher<Voxel, N, M>(view, x, y).march_preview(state, drawn);
+    drawn.color = state.color;
+    drawn.opacity = state.opacity;
+    pixels[pixel] = drawn;
     pixels[pixel].epoch = epoch;
     pixels[pixel].generation = generation;
   }
@@ -55,69 +65,66 @@ struct MarchPreview {
 /// exec::for_each_pixel, where there are kernels for this N and M (GVX_CUDA_SHAPES); check_kernels() sees to
 /// it that no other comes to a GPU.
 template <int N, int M, typename Functor>
-bool for_each_ray(const exec::Device& device, const char* name, exec::TileGrid grid,
-                  exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, Functor functor) {
+bool for_each_ray(const exec::Device& device, const char* name, const TilesMarch& march, Functor functor) {
   if constexpr (has_kernels(N, M)) {
-    return exec::for_each_pixel(device, name, grid, tiles, deadline, functor);
+    return exec::for_each_pixel(device, name, march.grid, march.tiles, march.deadline, functor);
   } else {
-    return exec::for_each_pixel_on_cpu(device, grid, tiles, deadline, functor);
+    return exec::for_each_pixel_on_cpu(device, march.grid, march.tiles, march.deadline, functor);
   }
 }
 
 template <typename Voxel>
-bool march_exact(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
-                 exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                 exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
-  return with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
+bool march_exact(const exec::Device& device, const ExactMarch& march) {
+  const Pass& pass = march.pass;
+  return with_view<Voxel>(pass.object(), pass.number, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
     return for_each_ray<N, M>(
-        device, "march_exact", grid, tiles, deadline,
-        MarchExact<Voxel, N, M>{view, grid, rays, unfinished, pass.epoch, pass.lone_ray});
+        device, "march_exact", march,
+        MarchExact<Voxel, N, M>{view, march.grid, march.rays, march.unfinished, pass.epoch, pass.lone_ray});
   });
 }
 
 template <typename Voxel>
-bool march_preview(const exec::Device& device, const Pass& pass, exec::TileGrid grid,
-                   exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
-                   std::uint32_t generation, exec::BufferView<const RayState> rays,
-                   exec::BufferView<PreviewPixel> pixels) {
-  return with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
-    return for_each_ray<N, M>(device, "march_preview", grid, tiles, deadline,
-                              MarchPreview<Voxel, N, M>{view, block, generation, rays, pixels, pass.epoch});
-  });
+bool march_preview(const exec::Device& device, const PreviewMarch& march) {
+  return with_view<Voxel>(
+      march.pass.object(), march.pass.number, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
+        return for_each_ray<N, M>(device, "march_preview", march,
+                                  MarchPreview<Voxel, N, M>{view, march.block, march.generation, march.rays,
+                                                            march.pixels, march.pass.epoch});
+      });
 }
 
-/// One ray alone, on a CPU.
+/// One ray at a time, on a CPU.
+template <typename Voxel, int N, int M>
+class MarchOfObject final : public ObjectMarch {
+ public:
+  explicit MarchOfObject(const PassView<Voxel, N, M>& view) : view_(view) {}
+
+  void begin(double pixel_x, double pixel_y) override { ray_.emplace(view_, pixel_x, pixel_y); }
+  void march_exact(RayState& state) const override { ray_->march_exact(state); }
+  void march_preview(RayState& state, PreviewPixel& pixel) const override {
+    ray_->march_preview(state, pixel);
+  }
+  double march_to(float opacity, RayState& state) const override { return ray_->march_to(opacity, state); }
+  bool look(double t, float gain, PreviewPixel* preview, ObjectStep& shown) override {
+    return ray_->look(t, gain, preview, shown);
+  }
+
+ private:
+  PassView<Voxel, N, M> view_;
+  std::optional<StepCursor<Voxel, N, M>> ray_;
+};
+
 template <typename Voxel>
-void march_ray(const Pass& pass, double x, double y, RayState& state) {
-  with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
-    RayMarcher<Voxel, N, M>(view, x, y).march_exact(state);
-  });
+std::unique_ptr<ObjectMarch> march_of(const ObjectView& object, std::uint32_t pass) {
+  return with_view<Voxel>(
+      object, pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) -> std::unique_ptr<ObjectMarch> {
+        return std::make_unique<MarchOfObject<Voxel, N, M>>(view);
+      });
 }
 
-template <typename Voxel>
-PreviewPixel preview_ray(const Pass& pass, double x, double y) {
-  return with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
-    return RayMarcher<Voxel, N, M>(view, x, y).march_preview();
-  });
-}
-
-template <typename Voxel>
-double distance_to(const Pass& pass, double x, double y, float opacity) {
-  return with_view<Voxel>(pass, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
-    return RayMarcher<Voxel, N, M>(view, x, y).march_to(opacity);
-  });
-}
-
-#define GVX_INSTANTIATE_MARCH(PREFIX, VOXEL)                                                                \
-  PREFIX template void march_ray<VOXEL>(const Pass&, double, double, RayState&);                            \
-  PREFIX template PreviewPixel preview_ray<VOXEL>(const Pass&, double, double);                             \
-  PREFIX template double distance_to<VOXEL>(const Pass&, double, double, float);                            \
-  PREFIX template bool march_exact<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,                 \
-                                          exec::BufferView<const std::uint32_t>, exec::Deadline,            \
-                                          exec::BufferView<RayState>, exec::BufferView<std::uint32_t>);     \
-  PREFIX template bool march_preview<VOXEL>(const exec::Device&, const Pass&, exec::TileGrid,               \
-                                            exec::BufferView<const std::uint32_t>, exec::Deadline,          \
-                                            std::uint32_t, std::uint32_t, exec::BufferView<const RayState>, \
-                                            exec::BufferView<PreviewPixel>);
+#define GVX_INSTANTIATE_MARCH(PREFIX, VOXEL)                                                      \
+  PREFIX template std::unique_ptr<ObjectMarch> march_of<VOXEL>(const ObjectView&, std::uint32_t); \
+  PREFIX template bool march_exact<VOXEL>(const exec::Device&, const ExactMarch&);                \
+  PREFIX template bool march_preview<VOXEL>(const exec::Device&, const PreviewMarch&);
 
 }  // namespace gvx::render::kernels

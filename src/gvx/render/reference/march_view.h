@@ -1,5 +1,5 @@
 /// \file
-/// From a Pass to the PassView of its voxel type, N and M. Private to this room.
+/// From an ObjectView to the PassView of its voxel type, N and M. Private to this room.
 #pragma once
 
 #include <type_traits>
@@ -10,8 +10,9 @@
 
 namespace gvx::render {
 
-inline WalkView walk_view_of(const Pass& pass) {
-  return {pass.frame, pass.nodes, pass.hidden, pass.tile_usage, pass.brick_usage, pass.requests, pass.number};
+inline WalkView walk_view_of(const ObjectView& object, std::uint32_t pass) {
+  return {object.frame,       object.nodes,    object.hidden, object.tile_usage,
+          object.brick_usage, object.requests, pass};
 }
 
 /// Calls function(std::integral_constant<int, M>) for a brick's edge.
@@ -36,16 +37,17 @@ decltype(auto) with_children(std::uint32_t n, Function&& function) {
 }
 
 template <typename Voxel, int N, int M>
-PassView<Voxel, N, M> view_of(const Pass& pass) {
-  return {walk_view_of(pass), {pass.bricks, brick_bytes(pass.frame.format, M), pass.frame.format.planes}};
+PassView<Voxel, N, M> view_of(const ObjectView& object, std::uint32_t pass) {
+  const VoxelFormat format = object.frame.format;
+  return {walk_view_of(object, pass), {object.bricks, brick_bytes(format, M), format.planes}};
 }
 
-/// Calls function(PassView) for the pass's N and M.
+/// Calls function(PassView) for the object's N and M, in the pass of this number.
 template <typename Voxel, typename Function>
-decltype(auto) with_view(const Pass& pass, Function function) {
-  return with_children(pass.n, [&](auto n) {
-    return with_edge(pass.m, [&](auto m) {
-      return function(view_of<Voxel, decltype(n)::value, decltype(m)::value>(pass));
+decltype(auto) with_view(const ObjectView& object, std::uint32_t pass, Function function) {
+  return with_children(object.n, [&](auto n) {
+    return with_edge(object.m, [&](auto m) {
+      return function(view_of<Voxel, decltype(n)::value, decltype(m)::value>(object, pass));
     });
   });
 }

@@ -15,11 +15,11 @@ BrickPath<Voxel, M> path_of(const BytesPath& path, std::uint32_t planes) {
 
 }  // namespace
 
-TileBricks::TileBricks(const Pass& pass)
-    : bytes_(pass.bricks),
-      brick_bytes_(brick_bytes(pass.frame.format, pass.m)),
-      plane_bytes_(plane_texels(pass.m) * voxel_bytes(pass.frame.format.type)),
-      m_(pass.m) {}
+TileBricks::TileBricks(const ObjectView& object)
+    : bytes_(object.bricks),
+      brick_bytes_(brick_bytes(object.frame.format, object.m)),
+      plane_bytes_(plane_texels(object.m) * voxel_bytes(object.frame.format.type)),
+      m_(object.m) {}
 
 std::uint64_t TileBricks::visible_cells(const FrameView& frame, BrickIndex slot, int level) const {
   const scene::TransferView& function = frame.visibility.functions[0];

@@ -26,10 +26,10 @@ struct BytesStretch : StretchSteps {
   BytesPath fine, coarse;
 };
 
-/// A pass's bricks, of any voxel type and edge.
+/// An object's bricks, of any voxel type and edge.
 class TileBricks {
  public:
-  explicit TileBricks(const Pass& pass);
+  explicit TileBricks(const ObjectView& object);
 
   std::uint32_t m() const { return m_; }
   const std::byte* at(BrickIndex slot) const { return bytes_ + slot.value * brick_bytes_; }

@@ -9,23 +9,46 @@ bool marches_tiles(const Pass& pass) {
   return !pass.one_ray_at_a_time;
 }
 
-bool tile_march(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
-                exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
-  GVX_CHECK(grid.tile == exec::TileGrid::kTile);
-  return with_children(pass.n, [&](auto n) {
-    return march_tiles<decltype(n)::value>(cpu, pass, grid, tiles, deadline, rays, unfinished);
+bool tile_march(const exec::Device& cpu, const ExactMarch& march) {
+  GVX_CHECK(march.grid.tile == exec::TileGrid::kTile);
+  return with_children(march.pass.object().n,
+                       [&](auto n) { return march_tiles<decltype(n)::value>(cpu, march); });
+}
+
+bool tile_preview(const exec::Device& cpu, const PreviewMarch& march) {
+  GVX_CHECK(march.grid.tile <= exec::TileGrid::kTile);
+  return with_children(march.pass.object().n,
+                       [&](auto n) { return preview_tiles<decltype(n)::value>(cpu, march); });
+}
+
+namespace {
+
+template <int N>
+void march_object_of(const ObjectView& object, std::uint32_t pass, const RaysOfTile& tile,
+                     const ActiveRays& rays, RayState* states, PreviewPixel* pixels,
+                     exec::Deadline deadline) {
+  const TilesView view(object, pass);
+  const TileProjection projection(object.frame, tile.apart);
+  TileMarcher<N> marcher(view, projection, tile.x0, tile.y0, tile.apart, tile.edge, tile.preview);
+  marcher.leave_out_all_but(rays);
+  rays.for_each([&](std::uint32_t i) {
+    if (states[i].tick > 0 || states[i].opacity > 0.0f) marcher.resume(i, states[i]);
+  });
+  marcher.march(deadline);
+  rays.for_each([&](std::uint32_t i) {
+    const std::uint32_t segment = states[i].segment;
+    marcher.put_state(i, states[i]);
+    states[i].segment = segment;
+    if (pixels != nullptr) pixels[i].add_counts(marcher.pixel(i));
   });
 }
 
-bool tile_preview(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
-                  exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
-                  std::uint32_t generation, exec::BufferView<const RayState> rays,
-                  exec::BufferView<PreviewPixel> pixels) {
-  GVX_CHECK(grid.tile <= exec::TileGrid::kTile);
-  return with_children(pass.n, [&](auto n) {
-    return preview_tiles<decltype(n)::value>(cpu, pass, grid, tiles, deadline, block, generation, rays,
-                                             pixels);
+}  // namespace
+
+void march_object(const ObjectView& object, std::uint32_t pass, const RaysOfTile& tile,
+                  const ActiveRays& rays, RayState* states, PreviewPixel* pixels, exec::Deadline deadline) {
+  with_children(object.n, [&](auto n) {
+    march_object_of<decltype(n)::value>(object, pass, tile, rays, states, pixels, deadline);
   });
 }
 

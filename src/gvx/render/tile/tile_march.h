@@ -8,8 +8,11 @@
 /// the other rays nor on what is resident.
 #pragma once
 
+#include <cstdint>
+
 #include "gvx/exec/tile_grid.h"
 #include "gvx/render/march_pass.h"
+#include "gvx/render/tile/tile_rays.h"
 
 namespace gvx::render {
 
@@ -18,14 +21,24 @@ namespace gvx::render {
 bool marches_tiles(const Pass& pass);
 
 /// As march_exact of march_pass.h, on a CPU, where marches_tiles(pass).
-bool tile_march(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
-                exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished);
+bool tile_march(const exec::Device& cpu, const ExactMarch& march);
 
 /// As march_preview of march_pass.h, there too; a tile that was begun is drawn whole.
-bool tile_preview(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
-                  exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
-                  std::uint32_t generation, exec::BufferView<const RayState> rays,
-                  exec::BufferView<PreviewPixel> pixels);
+bool tile_preview(const exec::Device& cpu, const PreviewMarch& march);
+
+/// The rays of a tile, or of the part of one: through the pixels (x0 + i * apart, y0 + j * apart), i below
+/// `width` and j below `height`.
+struct RaysOfTile {
+  double x0 = 0, y0 = 0, apart = 1;
+  std::uint32_t width = 0, height = 0;
+  std::uint32_t edge = exec::TileGrid::kTile;  ///< of the tile
+  bool preview = false;                        ///< they make do with what is resident
+};
+
+/// Marches some rays of a tile through one object of several, from their states on, which have a place for
+/// each ray of a whole tile. A ray that is through is finished. To `pixels`, for previews, is added what they
+/// wanted. A thread does one at a time.
+void march_object(const ObjectView& object, std::uint32_t pass, const RaysOfTile& tile,
+                  const ActiveRays& rays, RayState* states, PreviewPixel* pixels, exec::Deadline deadline);
 
 }  // namespace gvx::render

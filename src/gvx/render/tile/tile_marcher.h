@@ -57,13 +57,14 @@ struct TileStates {
   }
 };
 
-/// What all tiles of a pass share.
+/// What all tiles share in which an object is marched.
 struct TilesView {
   WalkView walk;
   TileBricks bricks;
   brick::CellMaskView cells;
 
-  explicit TilesView(const Pass& pass) : walk(walk_view_of(pass)), bricks(pass), cells(pass.cells) {}
+  TilesView(const ObjectView& object, std::uint32_t pass)
+      : walk(walk_view_of(object, pass)), bricks(object), cells(object.cells) {}
 };
 
 template <int N>
@@ -101,7 +102,8 @@ class TileMarcher {
   /// Ray `index` goes on from where it was.
   void resume(std::uint32_t index, const RayState& state) {
     set_out();
-    work_.rays.tick[index] = state.tick;
+    // One that has come from another object begins where a proxy says.
+    work_.rays.tick[index] = std::max(work_.rays.tick[index], state.tick);
     put(index, state);
     if (zones_) work_.rays.find_zone(view_.frame, index);
     resumed_ = resumed_ || state.tick > 0;

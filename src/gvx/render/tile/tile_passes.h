@@ -2,66 +2,29 @@
 /// The passes of tile_march.h over all tiles, as templates over N. Private to this room.
 #pragma once
 
-#include <algorithm>
-#include <atomic>
 #include <cstdint>
 
 #include "gvx/exec/parallel.h"
 #include "gvx/render/tile/tile_marcher.h"
+#include "gvx/render/tile/tile_part.h"
 
 namespace gvx::render {
 
-/// The part of a tile that is in the picture.
-struct TilePart {
-  std::uint32_t x0, y0, width, height;
-
-  TilePart(exec::TileGrid grid, std::uint32_t tile)
-      : x0(tile % grid.tiles_x() * grid.tile),
-        y0(tile / grid.tiles_x() * grid.tile),
-        width(std::min(grid.tile, grid.width - x0)),
-        height(std::min(grid.tile, grid.height - y0)) {}
-
-  /// Calls function(i, x, y) for each of its rays; i is the ray's place among those of the tile.
-  template <typename Function>
-  void for_rays(Function function) const {
-    for (std::uint32_t j = 0; j < height; ++j) {
-      for (std::uint32_t i = 0; i < width; ++i) function(j * TileRays::kEdge + i, x0 + i, y0 + j);
-    }
-  }
-};
-
-/// Which tiles that have something to do begin: those before the deadline, and one in any case. However slow
-/// the machine and short the frame, the next one finds more done.
-class Turns {
- public:
-  explicit Turns(exec::Deadline deadline) : deadline_(deadline) {}
-  /// May another begin?
-  bool take() {
-    const bool first = !some_began_.exchange(true, std::memory_order_relaxed);
-    if (first || !exec::late(deadline_)) return true;
-    all_taken_.store(false, std::memory_order_relaxed);
-    return false;
-  }
-  /// Did all that wanted to?
-  bool all_taken() const { return all_taken_.load(std::memory_order_relaxed); }
-
- private:
-  exec::Deadline deadline_;
-  std::atomic<bool> some_began_{false}, all_taken_{true};
-};
-
 template <int N>
-bool march_tiles(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
-                 exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline,
-                 exec::BufferView<RayState> rays, exec::BufferView<std::uint32_t> unfinished) {
+bool march_tiles(const exec::Device& cpu, const ExactMarch& march) {
+  const Pass& pass = march.pass;
+  const exec::TileGrid grid = march.grid;
+  const exec::BufferView<RayState> rays = march.rays;
   GVX_CHECK(pass.blank_tiles.size == grid.tiles());
-  Turns turns(deadline);
-  const TilesView view(pass);
-  const TileProjection projection(pass.frame, 1);
-  exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
+  Turns turns(march.deadline);
+  const FrameView& frame = pass.object().frame;
+  const TilesView view(pass.object(), pass.number);
+  const TileProjection projection(frame, 1);
+  exec::parallel_for(cpu, march.tiles.size, [&](std::size_t t) {
     if (!turns.all_taken()) return;
-    const TilePart part(grid, tiles[t]);
-    if (pass.blank_tiles[tiles[t]] == pass.epoch) return;
+    const std::uint32_t tile = march.tiles[t];
+    const TilePart part(grid, tile);
+    if (pass.blank_tiles[tile] == pass.epoch) return;
     const auto index_of = [&](std::uint32_t x, std::uint32_t y) { return std::size_t(y) * grid.width + x; };
     const auto index_of_ray = [&](std::uint32_t i) {
       return index_of(part.x0 + i % TileRays::kEdge, part.y0 + i / TileRays::kEdge);
@@ -88,16 +51,16 @@ bool march_tiles(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
     }
     // A tile that is finished must cost next to nothing, or short frames end in it.
     if (all_finished) return;
-    exec::store_relaxed(&unfinished[tiles[t]], 1);
+    exec::store_relaxed(&march.unfinished[tile], 1);
     if (marching.count() == 0 || !turns.take()) return;
     TileMarcher<N> marcher(view, projection, part.x0, part.y0, 1, grid.tile, false);
     marcher.leave_out_all_but(marching);
     if (is_new) marcher.will_put({&rays[index_of_ray(0)], grid.width, part.width, part.height});
     resuming.for_each([&](std::uint32_t i) { marcher.resume(i, rays[index_of_ray(i)]); });
-    marcher.march(deadline);
+    marcher.march(march.deadline);
     if (is_new && marcher.is_blank()) {
-      pass.blank_tiles[tiles[t]] = pass.epoch;
-      return exec::store_relaxed(&unfinished[tiles[t]], 0);
+      pass.blank_tiles[tile] = pass.epoch;
+      return exec::store_relaxed(&march.unfinished[tile], 0);
     }
     bool finished = marching.count() == part.width * part.height;
     const auto done = [&](RayState& ray) {
@@ -111,7 +74,7 @@ bool march_tiles(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
       done(ray);
     });
     // Apart: beside a march a compiler makes the loop above a slow one.
-    if (projects(pass.frame)) {
+    if (projects(frame)) {
       marching.for_each([&](std::uint32_t i) {
         if (!marcher.is_stub(i)) return;
         RayState& ray = rays[index_of_ray(i)];
@@ -121,53 +84,37 @@ bool march_tiles(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
         done(ray);
       });
     }
-    if (finished) exec::store_relaxed(&unfinished[tiles[t]], 0);
+    if (finished) exec::store_relaxed(&march.unfinished[tile], 0);
   });
   return turns.all_taken();
 }
 
 template <int N>
-bool preview_tiles(const exec::Device& cpu, const Pass& pass, exec::TileGrid grid,
-                   exec::BufferView<const std::uint32_t> tiles, exec::Deadline deadline, std::uint32_t block,
-                   std::uint32_t generation, exec::BufferView<const RayState> rays,
-                   exec::BufferView<PreviewPixel> pixels) {
-  Turns turns(deadline);
-  const TilesView view(pass);
-  const TileProjection projection(pass.frame, double(block));
-  const exec::TileGrid film{pass.frame.width, pass.frame.height};
-  exec::parallel_for(cpu, tiles.size, [&](std::size_t t) {
+bool preview_tiles(const exec::Device& cpu, const PreviewMarch& march) {
+  const Pass& pass = march.pass;
+  const std::uint32_t block = march.block;
+  Turns turns(march.deadline);
+  const FrameView& frame = pass.object().frame;
+  const TilesView view(pass.object(), pass.number);
+  const TileProjection projection(frame, double(block));
+  const PreviewPixels pixels(march);
+  exec::parallel_for(cpu, march.tiles.size, [&](std::size_t t) {
     if (!turns.all_taken()) return;
-    const TilePart part(grid, tiles[t]);
-    const auto index_of = [&](std::uint32_t x, std::uint32_t y) {
-      return std::size_t(y) * block * pass.frame.width + std::size_t(x) * block;
-    };
-    const auto is_drawn = [&](std::uint32_t x, std::uint32_t y) {
-      const bool may_be_blank = pass.blank_tiles.size > 0;
-      if (may_be_blank && pass.blank_tiles[film.tile_of(x * block, y * block)] == pass.epoch) return true;
-      const std::size_t pixel = index_of(x, y);
-      return (rays[pixel].epoch == pass.epoch && rays[pixel].phase == RayPhase::finished) ||
-             (pixels[pixel].epoch == pass.epoch && pixels[pixel].generation == generation);
-    };
+    const TilePart part(march.grid, march.tiles[t]);
     ActiveRays missing;
     part.for_rays([&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
-      if (!is_drawn(x, y)) missing.set(i);
+      if (!pixels.is_drawn(x, y)) missing.set(i);
     });
     if (missing.count() == 0 || !turns.take()) return;
     TileMarcher<N> marcher(view, projection, double(part.x0) * block, double(part.y0) * block, double(block),
-                           grid.tile, true);
+                           march.grid.tile, true);
     marcher.leave_out_all_but(missing);
     // A preview's ray cannot stop half way.
     marcher.march(exec::no_deadline());
     missing.for_each([&](std::uint32_t i) {
       const std::uint32_t x = part.x0 + i % TileRays::kEdge, y = part.y0 + i / TileRays::kEdge;
-      PreviewPixel& pixel = pixels[index_of(x, y)];
-      if (marcher.is_stub(i)) {
-        pixel = preview_ray(pass, double(x) * block, double(y) * block);
-      } else {
-        pixel = marcher.pixel(i);
-      }
-      pixel.epoch = pass.epoch;
-      pixel.generation = generation;
+      const bool is_stub = marcher.is_stub(i);
+      pixels.put(x, y, is_stub ? preview_ray(pass, double(x) * block, double(y) * block) : marcher.pixel(i));
     });
   });
   return turns.all_taken();
