@@ -11,6 +11,7 @@ set(public_headers
   engine/engine.h
   core/noise.h
   io/image.h io/label_table_file.h io/mesh.h io/mesh_parts.h io/raw.h io/store_build.h io/transfer_function_file.h io/volume_reader.h
+  open/file_names.h open/functions.h open/nothing_seen.h open/open_scene.h
   produce/amplify_producer.h produce/deeper_producer.h produce/field_kernels.h produce/field_producer.h produce/hypertexture.h
   mesh/mesh_distance.h mesh/mesh_proxy.h mesh/mesh_voxels.h
   produce/kernel_producer.h produce/repeat_producer.h produce/sampled_bounds.h

@@ -37,7 +37,7 @@ file(WRITE ${SCRATCH}/headers/CMakeLists.txt "cmake_minimum_required(VERSION 3.2
 project(headers LANGUAGES CXX)
 find_package(gvx REQUIRED)
 add_executable(all_headers all_headers.cpp)
-target_link_libraries(all_headers PRIVATE gvx::engine gvx::mesh)
+target_link_libraries(all_headers PRIVATE gvx::engine gvx::mesh gvx::open)
 ")
 run(${CMAKE_COMMAND} -S ${SCRATCH}/headers -B ${SCRATCH}/build_headers -G Ninja -DCMAKE_PREFIX_PATH=${prefix})
 run(${CMAKE_COMMAND} --build ${SCRATCH}/build_headers)

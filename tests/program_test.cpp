@@ -284,9 +284,12 @@ TEST_F(Program, renders_the_scene_files_of_the_documentation) {
   fs::create_directories(path("scenes"));
   ASSERT_EQ(gvx("build ball_40x36x30_uint8.raw -o scenes/head.gvx").status, 0);
   const auto scenes = documented_scenes();
-  ASSERT_EQ(scenes.size(), 2u);
+  ASSERT_EQ(scenes.size(), 3u);
   std::ofstream(path("scenes/still.json")) << scenes[0];
   std::ofstream(path("scenes/tour.json")) << scenes[1];
+  std::ofstream(path("scenes/objects.json")) << scenes[2];
+  expect_error("render scenes/objects.json -o objects.png",
+               "objects: gvx renders scenes of one object without a transform; found 2");
   Outcome outcome = gvx("render scenes/still.json -o still.png");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const auto image = io::read_png(path("still.png")).value();

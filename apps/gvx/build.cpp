@@ -6,19 +6,21 @@
 #include <memory>
 #include <vector>
 
-#include "build_report.h"
 #include "commands.h"
+#include "field_flags.h"
 #include "gvx/io/channel_merger.h"
 #include "gvx/io/mesh.h"
 #include "gvx/io/store_build.h"
 #include "gvx/io/volume_reader.h"
-#include "mesh_build.h"
+#include "gvx/open/build_warnings.h"
+#include "gvx/open/file_names.h"
+#include "gvx/open/mesh_store.h"
+#include "mesh_flags.h"
 #include "messages.h"
-#include "open_scene.h"
 #include "outputs.h"
 #include "progress.h"
-#include "scene_inputs.h"
 #include "units.h"
+#include "work_bar.h"
 
 namespace gvx::app {
 namespace {
@@ -44,15 +46,26 @@ Status build_from_mesh(const Options& o, const io::StoreBuildOptions& common) {
     return Error{path + ": a store takes one mesh; several files are for the channels of a volume"};
   if (o.labels || !o.type.empty()) return Error{path + ": --labels and --type do not go with a mesh"};
   if (o.volume.given()) return VolumeFlags::refuse(path);
-  GVX_ASSIGN(mesh::MeshStoreOptions options, o.mesh.parse());
-  options.n = common.n;
-  options.m = common.m;
-  options.codec = common.codec;
-  options.memory_bytes = common.memory_bytes;
-  GVX_ASSIGN(const BuiltMesh built,
-             build_mesh(exec::Device::cpu(o.threads), path, o.output, options, o.mesh.fill(), o.mesh.up()));
+  open::MeshBuild mesh = o.mesh.parse();
+  mesh.store.n = common.n;
+  mesh.store.m = common.m;
+  mesh.store.codec = common.codec;
+  mesh.store.memory_bytes = common.memory_bytes;
+  WorkBar bar("", false);
+  open::OpenOptions options;
+  options.cpu = exec::Device::cpu(o.threads);
+  options.warn = [&](const std::string& message) {
+    bar.clear();
+    warn(message);
+  };
+  options.show_work = [&](const open::Work& work) { bar.show(work); };
+  // Its advice names flags.
+  options.naming = open::FieldNaming([](const std::string&) { return std::string(); });
+  GVX_ASSIGN(const open::BuiltMesh built, open::build_mesh(path, o.output, mesh, options));
+  bar.clear();
   print_built(o.output, built.store.dimensions, built.store.bytes_written);
-  if (!built.note.empty()) std::printf("%s\n", one_line(built.note).c_str());
+  const std::string note = mesh.up ? "" : up_note(path, built.up);
+  if (!note.empty()) std::printf("%s\n", one_line(note).c_str());
   return {};
 }
 
@@ -73,7 +86,7 @@ Status check_output(const Options& o, const io::VolumeOptions& volume_options) {
   GVX_TRY(check_outputs({&output, 1}, [&] {
     std::vector<std::string> files;
     for (const std::string& input : o.inputs) {
-      const std::vector<std::string> parts = files_of(input, volume_options);
+      const std::vector<std::string> parts = open::files_of(input, volume_options);
       files.insert(files.end(), parts.begin(), parts.end());
     }
     return files;
@@ -112,7 +125,7 @@ Status build(const Options& o) {
                                [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
   }
   print_built(o.output, volume->description().dimensions, report.bytes_written);
-  warn_of_build(o.inputs.front(), volume->description(), report);
+  open::warn_of_build(o.inputs.front(), volume->description(), report, warn);
   return {};
 }
 

@@ -1,9 +1,10 @@
 #include "command_line.h"
 
 #include <algorithm>
-#include <numeric>
 #include <string_view>
 #include <vector>
+
+#include "gvx/open/closest_word.h"
 
 namespace gvx::app {
 namespace {
@@ -12,23 +13,6 @@ std::string upper_case(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
   return text;
-}
-
-/// Letters to add, take away, change or swap with their neighbours to get from one word to the other.
-std::size_t distance(std::string_view a, std::string_view b) {
-  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-  for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
-  std::iota(d[0].begin(), d[0].end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      d[i][j] =
-          std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
-        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
-      }
-    }
-  }
-  return d[a.size()][b.size()];
 }
 
 std::string joined(const std::vector<std::string>& words, const std::string& last_separator) {
@@ -40,7 +24,7 @@ std::string joined(const std::vector<std::string>& words, const std::string& las
 }
 
 std::string suggestion(const std::string& word, const std::vector<std::string>& names) {
-  const auto near = closest(word, names);
+  const auto near = open::closest_word(word, names);
   return near ? "; did you mean " + *near + "?" : "";
 }
 
@@ -217,23 +201,6 @@ std::string explain_in(const CLI::App& command, const CLI::ParseError& error) {
 }
 
 }  // namespace
-
-std::optional<std::string> closest(const std::string& word, std::span<const std::string> names) {
-  std::vector<std::string> longer;
-  for (const std::string& name : names) {
-    if (word.size() > 3 && name.starts_with(word)) longer.push_back(name);
-  }
-  if (longer.size() == 1) return longer.front();
-  const std::size_t letters = word.size() - std::min(word.find_first_not_of('-'), word.size());
-  std::size_t least = letters / 3 + 1;
-  std::optional<std::string> near;
-  for (const std::string& name : names) {
-    const std::size_t d = distance(word, name);
-    // Of two letters every other word is near.
-    if (d < least + (letters > 2 ? 1 : 0) && (!near || d < distance(word, *near))) near = name;
-  }
-  return near;
-}
 
 std::optional<std::string> find_unknown_words(const CLI::App& program, std::span<const std::string> words) {
   const std::vector<std::string> names = command_names(program);

@@ -9,10 +9,6 @@
 
 namespace gvx::app {
 
-/// Of these names the one that a mistyped word was most likely meant to be: it begins like no other, or few
-/// letters differ (Damerau and Levenshtein's distance of strings). None where no name is near.
-std::optional<std::string> closest(const std::string& word, std::span<const std::string> names);
-
 /// Looks at the words behind "gvx" before they are parsed: an unknown command or flag, or a flag without its
 /// value. Nothing where all are known.
 std::optional<std::string> find_unknown_words(const CLI::App& program, std::span<const std::string> words);

@@ -7,26 +7,14 @@
 #include "commands.h"
 #include "gvx/io/header_text.h"
 #include "gvx/io/label_table_file.h"
+#include "gvx/scene/transfer_function.h"
 #include "gvx/scene/transfer_presets.h"
+#include "units.h"
 
 namespace gvx::app {
 namespace {
 
 constexpr double kMostOpacity = 1000;
-
-/// The numbers between commas; nothing where one is none.
-std::optional<std::vector<double>> parse_list(const std::string& text) {
-  std::vector<double> numbers;
-  std::size_t start = 0;
-  while (true) {
-    const std::size_t end = text.find(',', start);
-    const auto number = io::parse_number(text.substr(start, end == std::string::npos ? end : end - start));
-    if (!number || !std::isfinite(*number)) return std::nullopt;
-    numbers.push_back(*number);
-    if (end == std::string::npos) return numbers;
-    start = end + 1;
-  }
-}
 
 Result<scene::ValueWindow> parse_window(const std::string& text) {
   const auto numbers = parse_list(text);
@@ -146,6 +134,9 @@ Status FunctionFlags::apply(scene::SceneFile& scene) const {
                    });
   change_functions(scene.functions, opacities_,
                    [](scene::FunctionParts& function, double opacity) { function.opacity = opacity; });
+  GVX_ASSIGN(const auto gradient_points, gradients());
+  change_functions(scene.functions, std::vector(has_gradients() ? 1 : 0, gradient_points),
+                   [](scene::FunctionParts& function, const auto& points) { function.gradients = points; });
   if (no_labels_) scene.labels = scene::LabelParts{false, ""};
   if (labels_option_->count() > 0) {
     const std::string table = !labels_.empty() ? labels_ : scene.labels ? scene.labels->table : "";
@@ -162,17 +153,30 @@ Result<std::vector<scene::GradientPoint>> FunctionFlags::gradients() const {
     return Error{"--gradient-opacity: '" + gradients_ + "' is not pairs of numbers, as G0,F0,G1,F1"};
   }
   for (std::size_t i = 0; i < numbers->size(); i += 2) points.push_back({(*numbers)[i], (*numbers)[i + 1]});
+  const Status sound = scene::check({{{0, {}}}, {{0, 0}}, 0, points});
+  if (!sound.ok()) return Error{"--gradient-opacity: " + sound.error().message};
   return points;
 }
 
-std::string FunctionFlags::source() const {
+std::string FunctionFlags::flag_of(const std::string& field) const {
+  const bool said_labels = labels_option_->count() > 0 || no_labels_;
+  if (field == "labels") return said_labels ? "--labels" : "";
   const std::pair<std::size_t, const char*> flags[] = {{functions_.size(), "--tf"},
                                                        {windows_.size(), "--window"},
                                                        {percentiles_.size(), "--percentile"},
                                                        {opacities_.size(), "--opacity"}};
-  const auto most = std::max_element(std::begin(flags), std::end(flags),
-                                     [](const auto& a, const auto& b) { return a.first < b.first; });
-  return most->first > 0 ? most->second : "functions";
+  if (field == "functions") {
+    const auto most = std::max_element(std::begin(flags), std::end(flags),
+                                       [](const auto& a, const auto& b) { return a.first < b.first; });
+    return most->first > 0 ? most->second : "";
+  }
+  if (field.ends_with(".gradients")) return has_gradients() ? "--gradient-opacity" : "";
+  for (const auto& [count, flag] : flags) {
+    if (count > 0 && (field.ends_with(flag + 2) || (field.ends_with(']') && flag == flags[0].second))) {
+      return flag;
+    }
+  }
+  return {};
 }
 
 }  // namespace gvx::app

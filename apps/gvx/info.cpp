@@ -9,15 +9,16 @@
 #include <vector>
 
 #include "commands.h"
+#include "field_flags.h"
 #include "gvx/io/header_text.h"
 #include "gvx/io/mesh.h"
 #include "gvx/io/value_survey.h"
 #include "gvx/io/volume_reader.h"
 #include "gvx/mesh/mesh_spool.h"
+#include "gvx/open/open_volume.h"
 #include "gvx/store/notes.h"
 #include "gvx/store/store_reader.h"
 #include "messages.h"
-#include "open_scene.h"
 #include "progress.h"
 #include "units.h"
 #include "value_rows.h"
@@ -313,7 +314,7 @@ Status info_of_volume(const Options& o, const io::VolumeOptions& volume) {
 }
 
 Status info(const Options& o) {
-  GVX_ASSIGN(const bool store, is_store(o.path));
+  GVX_ASSIGN(const bool store, open::is_store(o.path));
   GVX_ASSIGN(const io::VolumeOptions volume, o.volume.parse());
   const bool mesh = !store && io::is_mesh_name(o.path);
   if (mesh && o.volume.given()) return o.volume.refuse(o.path);

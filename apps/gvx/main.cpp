@@ -37,7 +37,7 @@ int fail(const std::string& message) {
 void occupy_closed_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(stream, F_GETFD) >= 0) continue;
-    (void)open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+    (void)::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
   }
 }
 

@@ -5,31 +5,30 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
 #include <vector>
 
-#include "built_in_scenes.h"
 #include "commands.h"
+#include "field_flags.h"
 #include "frame_files.h"
 #include "gvx/engine/engine.h"
 #include "gvx/io/file_commit.h"
 #include "gvx/io/image.h"
 #include "gvx/io/mesh.h"
 #include "gvx/mesh/mesh_proxy.h"
+#include "gvx/open/file_names.h"
+#include "gvx/open/functions.h"
+#include "gvx/open/nothing_seen.h"
+#include "gvx/open/open_scene.h"
 #include "gvx/scene/camera_path.h"
+#include "gvx/scene/scene_fields.h"
 #include "gvx/scene/scene_file.h"
-#include "gvx/scene/transfer_limits.h"
-#include "mesh_build.h"
+#include "mesh_flags.h"
 #include "messages.h"
-#include "nothing_seen.h"
-#include "open_scene.h"
 #include "outputs.h"
 #include "progress.h"
 #include "scene_flags.h"
-#include "scene_functions.h"
-#include "scene_inputs.h"
-#include "scene_view.h"
 #include "units.h"
+#include "work_bar.h"
 
 namespace gvx::app {
 namespace {
@@ -47,22 +46,6 @@ Result<exec::Device> open_device(const Options& o) {
   return exec::Device::cpu(o.threads);
 }
 
-/// Where a function's points are so close, and the values so far apart, that what lies between is blurred.
-void warn_of_close_points(const produce::TreeDescription& tree, const render::View& view) {
-  if (tree.format.content != VoxelContent::scalar) return;
-  for (std::size_t channel = 0; channel < view.functions.size(); ++channel) {
-    const scene::ValueStatistics values = value_statistics(tree, channel);
-    const auto close = scene::points_too_close(view.functions[channel], {values.minimum, values.maximum});
-    if (!close) continue;
-    std::ostringstream message;
-    message.precision(9);
-    message << "transfer function: the points at " << close->first << " and " << close->second
-            << " are too close to tell apart: the volume's values are from " << values.minimum << " to "
-            << values.maximum;
-    warn(message.str());
-  }
-}
-
 /// The mesh of --proxy; none where it names none.
 Result<std::optional<io::TriangleMesh>> read_proxy(const Options& o) {
   if (o.proxy.empty() || o.proxy == "nodes") return std::optional<io::TriangleMesh>();
@@ -73,20 +56,21 @@ Result<std::optional<io::TriangleMesh>> read_proxy(const Options& o) {
 
 /// Of that mesh, or around the nodes that can be seen.
 Result<std::shared_ptr<const scene::Proxy>> make_proxy(std::optional<io::TriangleMesh> mesh,
-                                                       const Scene& scene, const render::View& view) {
-  const produce::TreeDescription& tree = scene.producer->description();
+                                                       const open::OpenScene& opened) {
+  const produce::Producer& producer = *opened.volume.producer;
+  const produce::TreeDescription& tree = producer.description();
   if (mesh) return mesh::MeshProxy::create(std::move(*mesh), tree);
   // What no function shows and no noise can make it show.
-  GVX_ASSIGN(const auto frame, render::Frame::make(exec::Device::cpu(1), view, tree));
+  GVX_ASSIGN(const auto frame, render::Frame::make(exec::Device::cpu(1), opened.view, tree));
   const scene::Visibility visibility = frame.view().visibility;
   const std::uint32_t level = std::min(tree.max_level, tree.n == 2 ? 5u : 3u);
-  return mesh::MeshProxy::around_nodes(*scene.producer, level,
+  return mesh::MeshProxy::around_nodes(producer, level,
                                        [&](const ChannelRanges& ranges) { return visibility.hides(ranges); });
 }
 
 /// An error where the volume is none that flags of raw files say anything of.
 Status check_takes_raw(const std::string& volume) {
-  const std::string file = volume.substr(file_position(volume));
+  const std::string file = volume.substr(open::file_position(volume));
   if (io::is_mesh_name(file)) return VolumeFlags::refuse(file);
   std::error_code error;
   if (file == "-") return {};
@@ -94,29 +78,8 @@ Status check_takes_raw(const std::string& volume) {
     const bool made = file.find_first_of("./") == std::string::npos;
     return made ? Status(VolumeFlags::refuse(file, "a scene that is made")) : Status();
   }
-  GVX_ASSIGN(const bool store, is_store(file));
+  GVX_ASSIGN(const bool store, open::is_store(file));
   return store ? Status(VolumeFlags::refuse(file, "a store")) : Status();
-}
-
-/// An error of a scene file's field, "flags: lighting.ambient: expected ...", with the name of the flag that
-/// says the same.
-Error in_flag_of_field(const Error& error) {
-  const std::string& text = error.message;
-  const std::size_t start = text.find(": ") + 2, end = text.find(": ", start);
-  if (end == std::string::npos) return error;
-  std::string field = text.substr(start, end - start);
-  const std::string part = field == "size[0]" ? ": width" : field == "size[1]" ? ": height" : "";
-  const std::size_t place = field.find('[');  // of a number in a list
-  if (place != std::string::npos) field.resize(place);
-  field = field.substr(field.rfind('.') + 1);
-  std::string flag = field == "functions" ? "--tf" : field == "cameraPath" ? "--key-frame" : "--";
-  if (flag == "--") {
-    for (const char c : field == "lights" ? "light" : field) {
-      const bool capital = c >= 'A' && c <= 'Z';
-      flag += capital ? std::string("-") + static_cast<char>(c - 'A' + 'a') : std::string(1, c);
-    }
-  }
-  return Error{flag + part + text.substr(end)};
 }
 
 /// What the command line says: a scene file or a volume, and flags.
@@ -124,20 +87,31 @@ Result<scene::SceneFile> read_command(const Options& o) {
   scene::SceneFile scene;
   if (o.scene.ends_with(".json")) {
     GVX_ASSIGN(scene, scene::read_scene(o.scene));
-    resolve_names(scene, o.scene);
+    open::resolve_names(scene, o.scene);
   } else if (o.flags.has_volume()) {
     return Error{"--volume: goes with a scene file (.json); " + o.scene + " is a volume itself"};
   } else {
     scene.volume = o.scene;
   }
   GVX_TRY(o.flags.apply(scene));
-  if (!scene.volume)
+  if (!scene.volume && scene.objects.empty())
     return Error{o.scene + ": the scene names no volume; expected the field \"volume\", or --volume"};
-  if (o.flags.has_raw()) GVX_TRY(check_takes_raw(*scene.volume));
+  if (o.flags.has_raw() && scene.volume) GVX_TRY(check_takes_raw(*scene.volume));
   // Flags obey the limits that a file's fields obey.
-  const auto checked = scene::parse_scene(scene::to_json(scene), "flags");
-  if (!checked.ok()) return in_flag_of_field(checked.error());
+  scene::SceneFile checked;
+  const Status limits = scene::read_over(scene::to_document(scene), checked);
+  if (!limits.ok()) return in_flag_of_field(limits.error());
   return scene;
+}
+
+/// Every file that is read: the scene file, if there is one, and what it and the flags name.
+std::vector<std::string> input_files(const Options& o, const scene::SceneFile& scene) {
+  std::vector<std::string> files = open::files_of_scene(scene);
+  files.push_back(o.scene);
+  if (o.proxy.empty()) return files;
+  const std::vector<std::string> proxy = open::files_of(o.proxy, {});
+  files.insert(files.end(), proxy.begin(), proxy.end());
+  return files;
 }
 
 /// Every file that is to be written, if it can be; and, of pictures, if they can be of that size and format.
@@ -153,7 +127,7 @@ Status check_output_files(const Options& o, const scene::SceneFile& scene,
   } else {
     outputs.push_back({"-o", o.output});
   }
-  GVX_TRY(check_outputs(outputs, [&] { return files_of_scene(o.scene, scene, o.proxy); }));
+  GVX_TRY(check_outputs(outputs, [&] { return input_files(o, scene); }));
   const bool exr = o.output.ends_with(".exr");
   if (!o.output.ends_with(".png") && !exr) {
     return Error{"-o " + o.output + ": the picture's name must end in .png or .exr"};
@@ -231,7 +205,7 @@ Result<bool> write_picture_of(const Studio& studio, const std::string& path, con
   GVX_TRY(write_picture(path, picture));
   if (!say_nothing_is_seen) return false;
   const auto why =
-      why_nothing_is_seen(picture, view, studio.engine.tree(), studio.engine.converged(), studio.proxy);
+      open::why_nothing_is_seen(picture, view, studio.engine.tree(), studio.engine.converged(), studio.proxy);
   if (why) warn(what + "nothing can be seen: " + *why);
   return why.has_value();
 }
@@ -307,16 +281,6 @@ Status write_text(const char* flag, const std::string& path, const std::string& 
   return status.ok() ? status : Error{std::string(flag) + " " + status.error().message};
 }
 
-Result<std::optional<scene::CameraPath>> camera_path(const scene::SceneFile& scene) {
-  if (scene.camera_path.empty()) return std::optional<scene::CameraPath>();
-  std::vector<scene::KeyFrame> keys;
-  for (const scene::KeyFrameParts& key : scene.camera_path) {
-    keys.push_back({key.frame, key.camera.over({})});
-  }
-  GVX_ASSIGN(auto path, scene::CameraPath::create(std::move(keys)));
-  return std::optional<scene::CameraPath>(std::move(path));
-}
-
 /// Will the bricks of such a tree fit the pool?
 Status check_memory(std::uint64_t memory_bytes, const produce::TreeDescription& tree) {
   const auto sizes = engine::PoolSizes::fitting(memory_bytes, tree);
@@ -325,12 +289,50 @@ Status check_memory(std::uint64_t memory_bytes, const produce::TreeDescription& 
 
 /// What was guessed of a mesh's upper side; empty where nothing was.
 std::string guess_of_up(const scene::SceneFile& scene, const produce::TreeDescription& tree) {
-  const std::string file = scene.volume->substr(file_position(*scene.volume));
+  const std::string file = scene.volume->substr(open::file_position(*scene.volume));
   if (scene.up_axis || !io::is_mesh_name(file)) return {};
   const Box3d box = tree.bounds.value_or(tree.extent);
   const io::MeshUp up =
       io::mesh_up(file, {tree.tree_to_world.point(box.minimum), tree.tree_to_world.point(box.maximum)});
   return up.axis == tree.up ? up_note(file, up) : "";
+}
+
+/// What its numbers mean where the scene has a table of labels; a warning where the volume has none of them.
+Result<nlohmann::json> legend_of(const open::OpenScene& opened, const open::FieldNaming& naming) {
+  if (!opened.scene.labels || opened.scene.labels->table.empty()) return nlohmann::json::array();
+  GVX_ASSIGN(nlohmann::json legend,
+             open::label_legend(opened.scene, opened.view.functions.front(), opened.volume));
+  if (legend.empty()) {
+    warn(naming.before_value("labels") + opened.scene.labels->table +
+         ": the volume has none of these labels");
+  }
+  return legend;
+}
+
+/// Opens the scene of a command line, if its bricks fit the memory.
+Result<open::OpenScene> open_scene(const Options& o, const scene::SceneFile& scene,
+                                   const exec::Device& device, std::uint64_t memory_bytes,
+                                   const open::FieldNaming& naming) {
+  WorkBar bar("building a temporary store (gvx build keeps it)", o.quiet);
+  open::OpenOptions options{exec::Device::cpu(o.threads), device};
+  options.warn = [&](const std::string& message) {
+    bar.clear();
+    warn(message);
+  };
+  options.show_work = [&](const open::Work& work) { bar.show(work); };
+  options.before_build = [&](const VoxelFormat& format) {
+    produce::TreeDescription tree;
+    tree.format = format;
+    return check_memory(memory_bytes, tree);
+  };
+  options.naming = naming;
+  return open::open_scene(scene, options);
+}
+
+Status save_scene(const Options& o, scene::SceneFile scene) {
+  if (o.save_scene.empty()) return {};
+  open::relate_names(scene, o.save_scene);
+  return write_text("--save-scene", o.save_scene, scene::to_json(scene));
 }
 
 Status render(const Options& o) {
@@ -345,51 +347,34 @@ Status render(const Options& o) {
     GVX_ASSIGN(const auto budget, in_flag("--budget", parse_duration(o.budget)));
     (void)budget;
   }
-  GVX_ASSIGN(scene::SceneFile scene, read_command(o));
+  GVX_ASSIGN(const scene::SceneFile scene, read_command(o));
   GVX_TRY(check_output_files(o, scene, frames));
-  GVX_TRY(check_before_opening(scene, o.flags));
   GVX_ASSIGN(const exec::Device device, open_device(o));
   GVX_ASSIGN(auto proxy, read_proxy(o));
-  const auto before_build = [&](const VoxelFormat& format) -> Status {
-    GVX_TRY(check_before_building(scene, o.flags, format));
-    produce::TreeDescription tree;
-    tree.format = format;
-    return check_memory(engine_options.memory_bytes, tree);
-  };
-  GVX_ASSIGN(const Scene opened, open_scene({exec::Device::cpu(o.threads), device, o.quiet}, *scene.volume,
-                                            volume_options(scene), scene.generate, before_build));
-  const std::string guess = guess_of_up(scene, opened.producer->description());
-  GVX_ASSIGN(scene, complete(scene, o.flags, opened));
-  GVX_ASSIGN(const auto path, camera_path(scene));
-  GVX_ASSIGN(render::View view, make_view(scene, o.flags, opened));
-  if (path) view.camera = path->key_frames().front().camera;
-  warn_of_close_points(opened.producer->description(), view);
-  GVX_ASSIGN(const nlohmann::json legend, label_legend(scene, view, opened));
-  if (scene.labels && !scene.labels->table.empty() && legend.empty()) {
-    warn("--labels " + scene.labels->table + ": the volume has none of these labels");
-  }
-  if (!o.save_scene.empty()) {
-    scene::SceneFile saved = scene;
-    relate_names(saved, o.save_scene);
-    GVX_TRY(write_text("--save-scene", o.save_scene, scene::to_json(saved)));
-  }
+  const open::FieldNaming naming([&](const std::string& field) { return o.flags.flag_of(field); });
+  GVX_ASSIGN(const open::OpenScene opened, open_scene(o, scene, device, engine_options.memory_bytes, naming));
+  const produce::TreeDescription& tree = opened.volume.producer->description();
+  const render::View& view = opened.view;
+  GVX_ASSIGN(const nlohmann::json legend, legend_of(opened, naming));
+  GVX_TRY(save_scene(o, opened.scene));
   if (!o.proxy.empty()) {
-    GVX_ASSIGN(engine_options.proxy, make_proxy(std::move(proxy), opened, view));
+    GVX_ASSIGN(engine_options.proxy, make_proxy(std::move(proxy), opened));
   }
-  GVX_TRY(check_memory(engine_options.memory_bytes, opened.producer->description()));
-  GVX_ASSIGN(const auto engine, engine::Engine::create(device, opened.producer, engine_options));
+  GVX_TRY(check_memory(engine_options.memory_bytes, tree));
+  GVX_ASSIGN(const auto engine, engine::Engine::create(device, opened.volume.producer, engine_options));
   // A frame is done in parts, and those of a budget are few: only the share that is done says anything.
   const bool counts_rays = !frames && o.budget.empty();
   Progress progress("rendering", counts_rays ? Progress::Unit::rays : Progress::Unit::none, o.quiet);
   const Studio studio{o, device, *engine, engine_options.proxy != nullptr, progress};
   GVX_ASSIGN(const engine::Statistics statistics,
-             frames ? render_frames(studio, view, *frames, path) : render_still(studio, view));
+             frames ? render_frames(studio, view, *frames, opened.path) : render_still(studio, view));
   if (!o.stats.empty()) {
     nlohmann::json stats = to_json(statistics);
     if (!legend.empty()) stats["labels"] = legend;
     const std::string text = stats.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
     GVX_TRY(write_text("--stats", o.stats, text + "\n"));
   }
+  const std::string guess = guess_of_up(opened.scene, tree);
   if (!guess.empty() && !o.quiet) std::printf("%s\n", one_line(guess).c_str());
   if (!frames && !o.quiet) {
     report(o.output, view, statistics, device);

@@ -18,18 +18,6 @@ std::optional<Number> parse(std::string_view text) {
   return value;
 }
 
-std::optional<std::vector<double>> parse_list(std::string_view text, char separator) {
-  std::vector<double> values;
-  while (true) {
-    const std::size_t end = std::min(text.find(separator), text.size());
-    const auto value = parse<double>(text.substr(0, end));
-    if (!value || !std::isfinite(*value)) return std::nullopt;
-    values.push_back(*value);
-    if (end == text.size()) return values;
-    text.remove_prefix(end + 1);
-  }
-}
-
 Error bad(const std::string& text, const char* expected) {
   return Error{"'" + text + "' is not " + expected};
 }
@@ -74,41 +62,39 @@ Result<std::chrono::nanoseconds> parse_duration(const std::string& text) {
   return std::chrono::nanoseconds(static_cast<std::int64_t>(*value * milliseconds * 1e6));
 }
 
-Result<Size> parse_size(const std::string& text) {
+std::optional<Size> parse_size(const std::string& text) {
   const std::size_t x = text.find('x');
   if (x != std::string::npos) {
     const auto width = parse<std::uint32_t>(std::string_view(text).substr(0, x));
     const auto height = parse<std::uint32_t>(std::string_view(text).substr(x + 1));
     if (width && height && *width > 0 && *height > 0) return Size{*width, *height};
   }
-  return bad(text, "a size such as 1280x720");
+  return std::nullopt;
 }
 
-Result<Vec3i> parse_dimensions(const std::string& text) {
-  const auto v = parse_list(text, ',');
-  const auto whole = [](double d) { return d >= 1 && d <= 0x7fffffff && d == std::floor(d); };
-  if (!v || v->size() != 3 || !whole((*v)[0]) || !whole((*v)[1]) || !whole((*v)[2])) {
-    return bad(text, "three whole numbers above 0, as X,Y,Z");
+std::optional<std::vector<double>> parse_list(const std::string& text) {
+  std::string_view left = text;
+  std::vector<double> values;
+  while (true) {
+    const std::size_t end = std::min(left.find(','), left.size());
+    const auto value = parse<double>(left.substr(0, end));
+    if (!value || !std::isfinite(*value)) return std::nullopt;
+    values.push_back(*value);
+    if (end == left.size()) return values;
+    left.remove_prefix(end + 1);
   }
-  return Vec3i(Vec3d((*v)[0], (*v)[1], (*v)[2]));
 }
 
 Result<Vec3d> parse_vec3(const std::string& text) {
-  const auto v = parse_list(text, ',');
+  const auto v = parse_list(text);
   if (!v || v->size() != 3) return bad(text, "three numbers, as X,Y,Z");
   return Vec3d((*v)[0], (*v)[1], (*v)[2]);
 }
 
 Result<Vec3d> parse_color(const std::string& text) {
-  const auto v = parse_list(text, ',');
+  const auto v = parse_list(text);
   if (!v || v->size() != 3) return bad(text, "red,green,blue: three numbers such as 0.2,0.3,0.4");
   return Vec3d((*v)[0], (*v)[1], (*v)[2]);
-}
-
-Result<Box3d> parse_box(const std::string& text) {
-  const auto v = parse_list(text, ',');
-  if (!v || v->size() != 6) return bad(text, "six numbers, as X0,Y0,Z0,X1,Y1,Z1");
-  return Box3d{{(*v)[0], (*v)[1], (*v)[2]}, {(*v)[3], (*v)[4], (*v)[5]}};
 }
 
 std::string bytes_text(std::uint64_t bytes) {

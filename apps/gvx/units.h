@@ -4,9 +4,10 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
-#include "gvx/core/ray.h"
 #include "gvx/core/result.h"
 #include "gvx/core/vec.h"
 
@@ -27,15 +28,13 @@ Result<std::chrono::nanoseconds> parse_duration(const std::string& text);
 struct Size {
   std::uint32_t width = 0, height = 0;
 };
-Result<Size> parse_size(const std::string& text);
-/// "x,y,z" of whole numbers above 0.
-Result<Vec3i> parse_dimensions(const std::string& text);
+std::optional<Size> parse_size(const std::string& text);
+/// The numbers between commas, all finite; nothing where one is none.
+std::optional<std::vector<double>> parse_list(const std::string& text);
 /// "x,y,z".
 Result<Vec3d> parse_vec3(const std::string& text);
 /// "red,green,blue".
 Result<Vec3d> parse_color(const std::string& text);
-/// "x0,y0,z0,x1,y1,z1".
-Result<Box3d> parse_box(const std::string& text);
 
 /// "1.3 GiB".
 std::string bytes_text(std::uint64_t bytes);

@@ -18,6 +18,7 @@
 #include "gvx/scene/function_range.h"
 #include "gvx/scene/lighting.h"
 #include "gvx/scene/transfer_function.h"
+#include "gvx/scene/transform_parts.h"
 #include "gvx/scene/value_statistics.h"
 #include "gvx/scene/visibility.h"
 
@@ -102,26 +103,41 @@ struct LightingParts {
   bool operator==(const LightingParts&) const = default;
 };
 
-/// The fields as they are written. File names are relative to the scene file's folder.
-struct SceneFile {
+/// What a scene says of one volume: where it comes from, and what is seen of it.
+struct ObjectParts {
   std::optional<std::string> volume;
-  std::optional<UpAxis> up_axis;  ///< of world space, also for patients
   RawParts raw;
   std::optional<std::string> series;  ///< of a DICOM folder: number or UID; of an OME-TIFF file: number
   std::optional<std::int64_t> time;   ///< frame of a volume that changes with time, from 0
   std::optional<bool> even_slices;    ///< resample tilted, uneven or missing DICOM slices
   GenerateParts generate;
-  std::optional<std::uint32_t> width, height;  ///< both are set, or neither
-  std::optional<std::uint32_t> antialias;
-  CameraParts camera;
-  std::vector<KeyFrameParts> camera_path;  ///< parts that a key frame leaves out are those of `camera`
   std::optional<Mode> mode;
   std::optional<double> isovalue;
   std::optional<Classification> classification;
   std::vector<FunctionParts> functions;  ///< one for each channel; if there are fewer, the last is repeated
   std::optional<LabelParts> labels;      ///< not set: as the volume's file says
-  LightingParts lighting;
   std::optional<Box3d> clip;
+
+  bool operator==(const ObjectParts&) const = default;
+};
+
+/// One of several objects in a scene.
+struct PlacedObject : ObjectParts {
+  TransformParts transform;
+
+  bool operator==(const PlacedObject&) const = default;
+};
+
+/// The fields as they are written. File names are relative to the scene file's folder. scene_fields.cpp has a
+/// row for each field.
+struct SceneFile : ObjectParts {
+  std::vector<PlacedObject> objects;           ///< in place of the fields of ObjectParts; empty: a single one
+  std::optional<UpAxis> up_axis;               ///< of world space, also for patients
+  std::optional<std::uint32_t> width, height;  ///< both are set, or neither
+  std::optional<std::uint32_t> antialias;
+  CameraParts camera;
+  std::vector<KeyFrameParts> camera_path;  ///< parts that a key frame leaves out are those of `camera`
+  LightingParts lighting;
   std::optional<Vec3d> background;
   std::optional<bool> transparent;
   std::optional<double> samples;

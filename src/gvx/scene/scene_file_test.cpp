@@ -329,6 +329,10 @@ TEST_F(SceneSchema, lists_the_fields_and_the_limits_that_the_reader_knows) {
   expect_same_fields(root["lighting"], {{"lighting", Json::object()}}, at("/lighting"));
   expect_same_fields(root["lighting"]["properties"]["lights"]["items"],
                      {{"lighting", {{"lights", {{{"place", {0, 0, 1}}}}}}}}, at("/lighting/lights/0"));
+  const Json& object = root["objects"]["items"];
+  expect_same_fields(object, Json::parse(R"({"objects": [{}]})"), at("/objects/0"));
+  expect_same_fields(object["properties"]["transform"], Json::parse(R"({"objects": [{"transform": {}}]})"),
+                     at("/objects/0/transform"));
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include "gvx/produce/producer.h"
 #include "gvx/scene/visibility.h"
 
-namespace gvx::app {
+namespace gvx::open {
 
 /// Both in tree space.
 struct VisibleBounds {
@@ -23,4 +23,4 @@ struct VisibleBounds {
 Result<VisibleBounds> visible_bounds(const produce::Producer& producer, const scene::Visibility& visibility,
                                      const Box3d& within);
 
-}  // namespace gvx::app
+}  // namespace gvx::open

@@ -5,11 +5,12 @@
 #include <string>
 
 #include "gvx/io/store_build.h"
+#include "gvx/open/options.h"
 
-namespace gvx::app {
+namespace gvx::open {
 
-/// Prints a line for each of them on standard error.
+/// Warns with a line for each of them.
 void warn_of_build(const std::string& path, const io::VolumeDescription& volume,
-                   const io::StoreBuildReport& report);
+                   const io::StoreBuildReport& report, const Warn& warn);
 
-}  // namespace gvx::app
+}  // namespace gvx::open

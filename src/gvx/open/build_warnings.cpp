@@ -1,11 +1,9 @@
-#include "build_report.h"
+#include "gvx/open/build_warnings.h"
 
-#include "messages.h"
-
-namespace gvx::app {
+namespace gvx::open {
 
 void warn_of_build(const std::string& path, const io::VolumeDescription& volume,
-                   const io::StoreBuildReport& report) {
+                   const io::StoreBuildReport& report, const Warn& warn) {
   for (const std::string& remark : volume.remarks) warn(path + ": " + remark);
   for (const std::string& line : report.warnings(path, volume.type)) warn(line);
   for (const io::Surplus& surplus : report.surplus) {
@@ -14,4 +12,4 @@ void warn_of_build(const std::string& path, const io::VolumeDescription& volume,
   }
 }
 
-}  // namespace gvx::app
+}  // namespace gvx::open

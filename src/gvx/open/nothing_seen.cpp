@@ -1,4 +1,4 @@
-#include "nothing_seen.h"
+#include "gvx/open/nothing_seen.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-namespace gvx::app {
+namespace gvx::open {
 namespace {
 
 constexpr float kFaintest = 0.5f / 255;  // what is fainter leaves no trace in 8 bits
@@ -174,4 +174,4 @@ std::optional<std::string> why_nothing_is_seen(const render::Picture& picture, c
          (view.opaque_background ? ", or has the background's colour" : "");
 }
 
-}  // namespace gvx::app
+}  // namespace gvx::open

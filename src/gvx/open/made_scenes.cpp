@@ -1,6 +1,5 @@
-#include "built_in_scenes.h"
+#include "gvx/open/made_scenes.h"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -17,7 +16,7 @@
 #include "gvx/produce/terrain.h"
 #include "gvx/scene/transfer_presets.h"
 
-namespace gvx::app {
+namespace gvx::open {
 namespace {
 
 using scene::GenerateParts;
@@ -69,7 +68,7 @@ struct CloudScene {
 };
 
 /// Of balls.
-Scene cloud(const exec::Device& device, GenerateParts& parts) {
+OpenVolume cloud(const exec::Device& device, GenerateParts& parts) {
   const CloudScene cloud(parts);
   if (device.kind() == exec::DeviceKind::cuda) {
     return {produce::make_balls_producer(device, cloud.tree, produce::cumulus_balls(4), cloud.options),
@@ -81,7 +80,7 @@ Scene cloud(const exec::Device& device, GenerateParts& parts) {
           "cloud"};
 }
 
-Scene terrain(const exec::Device& device, GenerateParts& parts) {
+OpenVolume terrain(const exec::Device& device, GenerateParts& parts) {
   produce::TerrainOptions options;
   take_noise(options.noise, parts);
   take(options.relief, parts.strength);
@@ -123,14 +122,14 @@ Result<MeshScene> open_mesh_for_distances(const std::string& path, double band,
 }
 
 /// Of a mesh, as the report has it.
-Result<Scene> cloud_of_mesh(const std::string& path, GenerateParts& parts) {
+Result<OpenVolume> cloud_of_mesh(const std::string& path, GenerateParts& parts) {
   const CloudScene cloud(parts);
   const double reach = produce::HypertextureField::reach(cloud.options, 1.0 / cloud.tree.m);
   GVX_ASSIGN(const MeshScene mesh, open_mesh(path, 0.2, cloud.tree));
   auto distance = std::make_shared<produce::SparseField>(
       std::make_shared<mesh::MeshDistanceField>(mesh.query, reach), cloud.options.thickness);
   auto density = std::make_shared<produce::HypertextureField>(std::move(distance), cloud.options);
-  return Scene{std::make_shared<produce::FieldProducer>(mesh.tree, std::move(density)), "cloud"};
+  return OpenVolume{std::make_shared<produce::FieldProducer>(mesh.tree, std::move(density)), "cloud"};
 }
 
 const char* preset_of(produce::HypertextureKind kind) {
@@ -138,7 +137,7 @@ const char* preset_of(produce::HypertextureKind kind) {
 }
 
 /// Has distances shown as the densities are that HypertextureField makes of them, across a shell this wide.
-Status show_distances(const produce::HypertextureOptions& options, double width, Scene& scene) {
+Status show_distances(const produce::HypertextureOptions& options, double width, OpenVolume& scene) {
   GVX_ASSIGN(const scene::TransferFunction densities,
              scene::preset(preset_of(options.kind), {.minimum = 0, .maximum = 1}));
   constexpr int kPoints = 32;
@@ -153,8 +152,8 @@ Status show_distances(const produce::HypertextureOptions& options, double width,
 
 /// Example 3 of the report with bricks of distances, as coarse as the shell is thick: rays make densities of
 /// them, and add noise where it moves the surface.
-Result<Scene> hypertexture_in_march(const std::string& path, const produce::HypertextureOptions& options,
-                                    std::uint32_t levels) {
+Result<OpenVolume> hypertexture_in_march(const std::string& path, const produce::HypertextureOptions& options,
+                                         std::uint32_t levels) {
   const double finest = 1 / std::ldexp(16.0, static_cast<int>(levels) - 1);
   const double width = produce::coverage_width(options.shell(), finest);
   // Four voxels across a shell; of a surface, which distances know between voxels, one of four of its own.
@@ -169,13 +168,14 @@ Result<Scene> hypertexture_in_march(const std::string& path, const produce::Hype
   auto bricks = std::make_shared<produce::FieldProducer>(
       mesh.tree, std::make_shared<mesh::MeshDistanceField>(mesh.query, band));
   GVX_ASSIGN(auto deeper, produce::DeeperProducer::create(std::move(bricks), levels - 1 - tree.max_level));
-  Scene scene{std::move(deeper), "inside", noise};
+  OpenVolume scene{std::move(deeper), "inside", noise};
   GVX_TRY(show_distances(options, width, scene));
   return scene;
 }
 
 /// Example 3 of the report: bricks of 16.
-Result<Scene> hypertexture(const std::string& path, produce::HypertextureKind kind, GenerateParts& parts) {
+Result<OpenVolume> hypertexture(const std::string& path, produce::HypertextureKind kind,
+                                GenerateParts& parts) {
   produce::HypertextureOptions options;
   options.kind = kind;
   if (kind == produce::HypertextureKind::hypertexture) options.thickness = 0.03;
@@ -198,13 +198,14 @@ Result<Scene> hypertexture(const std::string& path, produce::HypertextureKind ki
   const bool shell =
       kind != produce::HypertextureKind::pseudo_mesh && kind != produce::HypertextureKind::solid_noise;
   if (shell) distance = std::make_shared<produce::SparseField>(std::move(distance), options.thickness);
-  return Scene{std::make_shared<produce::FieldProducer>(
-                   mesh.tree, std::make_shared<produce::HypertextureField>(std::move(distance), options)),
-               preset_of(kind)};
+  return OpenVolume{
+      std::make_shared<produce::FieldProducer>(
+          mesh.tree, std::make_shared<produce::HypertextureField>(std::move(distance), options)),
+      preset_of(kind)};
 }
 
 /// Distances in the mesh's own unit, below 0 inside, no farther from 0 than the thickness.
-Result<Scene> distance(const std::string& path, bool by_axes, GenerateParts& parts) {
+Result<OpenVolume> distance(const std::string& path, bool by_axes, GenerateParts& parts) {
   double band = 0.05;
   take(band, parts.thickness);
   produce::TreeDescription tree = density_tree(16, 7);
@@ -216,12 +217,12 @@ Result<Scene> distance(const std::string& path, bool by_axes, GenerateParts& par
   } else {
     field = std::make_shared<mesh::MeshDistanceField>(mesh.query, band);
   }
-  return Scene{std::make_shared<produce::FieldProducer>(mesh.tree, std::move(field)), "inside"};
+  return OpenVolume{std::make_shared<produce::FieldProducer>(mesh.tree, std::move(field)), "inside"};
 }
 
-Result<std::optional<Scene>> open_of_mesh(const std::string& kind, const std::string& path,
-                                          GenerateParts& parts) {
-  const auto some = [](Result<Scene> scene) -> Result<std::optional<Scene>> {
+Result<std::optional<OpenVolume>> open_of_mesh(const std::string& kind, const std::string& path,
+                                               GenerateParts& parts) {
+  const auto some = [](Result<OpenVolume> scene) -> Result<std::optional<OpenVolume>> {
     if (!scene.ok()) return scene.error();
     return std::optional(std::move(scene).value());
   };
@@ -233,41 +234,25 @@ Result<std::optional<Scene>> open_of_mesh(const std::string& kind, const std::st
       return some(hypertexture(path, static_cast<produce::HypertextureKind>(i), parts));
     }
   }
-  return std::optional<Scene>();
+  return std::optional<OpenVolume>();
 }
 
 }  // namespace
 
-std::size_t file_position(const std::string& scene) {
-  std::vector<std::string> kinds = {"repeat", "amplify", "cloud", "distance", "axis-distance"};
-  kinds.insert(kinds.end(), produce::kHypertextureNames.begin(), produce::kHypertextureNames.end());
-  std::size_t begin = 0;
-  bool counted = false;  // a number may follow
-  while (true) {
-    const std::size_t colon = scene.find(':', begin);
-    if (colon == std::string::npos) return begin;
-    const std::string word = scene.substr(begin, colon - begin);
-    const bool number = counted && !word.empty() && word.find_first_not_of("0123456789") == std::string::npos;
-    if (!number && std::find(kinds.begin(), kinds.end(), word) == kinds.end()) return begin;
-    counted = word == "repeat";
-    begin = colon + 1;
-  }
-}
-
-Result<std::optional<Scene>> open_built_in_scene(const exec::Device& device, const std::string& name,
-                                                 GenerateParts& parts) {
+Result<std::optional<OpenVolume>> open_made_scene(const exec::Device& device, const std::string& name,
+                                                  GenerateParts& parts) {
   using Nodes = produce::SpongeProducer::Nodes;
   for (const auto& [sponge, nodes] :
        {std::pair{"sponge", Nodes::shared}, std::pair{"stored-sponge", Nodes::stored}}) {
     if (name == sponge) {
-      return std::optional(Scene{std::make_shared<produce::SpongeProducer>(16, nodes), "solid"});
+      return std::optional(OpenVolume{std::make_shared<produce::SpongeProducer>(16, nodes), "solid"});
     }
   }
   if (name == "cloud") return std::optional(cloud(device, parts));
   if (name == "terrain") return std::optional(terrain(device, parts));
   const std::size_t colon = name.find(':');
-  if (colon == std::string::npos) return std::optional<Scene>();
+  if (colon == std::string::npos) return std::optional<OpenVolume>();
   return open_of_mesh(name.substr(0, colon), name.substr(colon + 1), parts);
 }
 
-}  // namespace gvx::app
+}  // namespace gvx::open

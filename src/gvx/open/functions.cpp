@@ -1,4 +1,4 @@
-#include "scene_functions.h"
+#include "gvx/open/functions.h"
 
 #include <algorithm>
 #include <array>
@@ -6,14 +6,15 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
-#include "command_line.h"
 #include "gvx/io/label_table_file.h"
 #include "gvx/io/transfer_function_file.h"
+#include "gvx/open/closest_word.h"
+#include "gvx/scene/transfer_limits.h"
 #include "gvx/scene/transfer_presets.h"
-#include "messages.h"
 
-namespace gvx::app {
+namespace gvx::open {
 namespace {
 
 namespace fs = std::filesystem;
@@ -26,14 +27,18 @@ Error no_such_function(const std::string& name) {
   for (const char* preset : scene::preset_names())
     presets += (presets.empty() ? "" : ", ") + std::string(preset);
   const std::vector<std::string> names(scene::preset_names().begin(), scene::preset_names().end());
-  const auto near = closest(name, names);
+  const auto near = closest_word(name, names);
   return Error{name + ": neither a file nor a preset (presets: " + presets + ")" +
                (near ? "; did you mean " + *near + "?" : "")};
 }
 
-/// What names function `i` in messages: the flag, or the field.
-Error in_function(const FunctionFlags& flags, std::size_t i, const Error& error) {
-  return Error{(flags.has_functions() ? "--tf " : "functions[" + std::to_string(i) + "]: ") + error.message};
+/// "functions[0].window"; without `part` the function itself.
+std::string function_field(std::size_t i, const std::string& part = "") {
+  return "functions[" + std::to_string(i) + "]" + (part.empty() ? "" : "." + part);
+}
+
+Error in_function(const FieldNaming& naming, std::size_t i, const Error& error) {
+  return Error{naming.before_value(function_field(i)) + error.message};
 }
 
 Result<scene::TransferFunction> read_function(const std::string& name) {
@@ -56,8 +61,8 @@ bool has_points(const scene::FunctionParts& parts) {
 }
 
 /// What gvx chooses where nothing is said.
-scene::FunctionParts chosen_function(const scene::SceneFile& scene, const scene::FunctionParts& parts,
-                                     const Scene& opened) {
+scene::FunctionParts chosen_function(const scene::ObjectParts& scene, const scene::FunctionParts& parts,
+                                     const OpenVolume& volume) {
   scene::FunctionParts chosen = parts;
   if (*scene.mode == scene::Mode::isosurface && parts == scene::FunctionParts()) {
     chosen.colors = {{0, kSurfaceColor}};
@@ -67,30 +72,30 @@ scene::FunctionParts chosen_function(const scene::SceneFile& scene, const scene:
   const bool projection = *scene.mode != scene::Mode::composite && *scene.mode != scene::Mode::isosurface;
   // The points of CT presets stand for matter: elsewhere they say nothing.
   const bool moved = parts.window || parts.percentiles;
-  chosen.from = projection ? "ramp" : moved && opened.preset.starts_with("ct-") ? "gray" : opened.preset;
+  chosen.from = projection ? "ramp" : moved && volume.preset.starts_with("ct-") ? "gray" : volume.preset;
   if (projection) return chosen;
-  chosen.colors = opened.colors;
-  if (chosen.opacities.empty()) chosen.opacities = opened.opacities;
+  chosen.colors = volume.colors;
+  if (chosen.opacities.empty()) chosen.opacities = volume.opacities;
   return chosen;
 }
 
 /// Those of labels, whose colours are their own unless the scene has others.
-Result<std::vector<scene::TransferFunction>> open_label_functions(const scene::SceneFile& scene,
-                                                                  const FunctionFlags& flags,
-                                                                  const Scene& opened) {
-  const produce::TreeDescription& tree = opened.producer->description();
+Result<std::vector<scene::TransferFunction>> open_label_functions(const scene::ObjectParts& scene,
+                                                                  const OpenVolume& volume,
+                                                                  const FieldNaming& naming) {
+  const produce::TreeDescription& tree = volume.producer->description();
   const scene::ValueStatistics statistics = value_statistics(tree, 0);
   const scene::FunctionParts parts = scene.functions.empty() ? scene::FunctionParts() : scene.functions[0];
   if (has_points(parts)) {
     auto function = open_function(parts, statistics);
-    if (!function.ok()) return in_function(flags, 0, function.error());
+    if (!function.ok()) return in_function(naming, 0, function.error());
     return std::vector{std::move(function).value()};
   }
   const auto labels = static_cast<std::uint32_t>(tree.ranges.channel[0].maximum) + 1;
   scene::TransferFunction base = scene::label_colors(labels);
   if (scene.labels && !scene.labels->table.empty()) {
     auto table = io::read_label_table(scene.labels->table);
-    if (!table.ok()) return Error{"--labels " + table.error().message};
+    if (!table.ok()) return Error{naming.before_value("labels") + table.error().message};
     base = scene::label_colors(labels, table.value());
   }
   GVX_ASSIGN(auto function, parts.over(std::move(base), statistics));
@@ -104,7 +109,7 @@ bool is_preset(const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-Status check_function_files(const scene::SceneFile& scene, const FunctionFlags& flags) {
+Status check_function_files(const scene::ObjectParts& scene, const OpenOptions& options) {
   std::error_code ignored;
   for (std::size_t i = 0; i < scene.functions.size(); ++i) {
     const std::string& name = scene.functions[i].from;
@@ -114,93 +119,111 @@ Status check_function_files(const scene::SceneFile& scene, const FunctionFlags& 
       continue;
     }
     if (const auto function = read_function(name); !function.ok()) {
-      return in_function(flags, i, function.error());
+      return in_function(options.naming, i, function.error());
     }
   }
   if (!scene.labels || scene.labels->table.empty()) return {};
   const std::string& table = scene.labels->table;
+  const std::string labels = options.naming.before_value("labels");
   if (fs::exists(table, ignored) && !fs::is_regular_file(table, ignored)) {
-    return Error{"--labels " + table + ": expected a file"};
+    return Error{labels + table + ": expected a file"};
   }
   std::vector<std::string> warnings;
   if (const auto read = io::read_label_table(table, &warnings); !read.ok()) {
-    return Error{"--labels " + read.error().message};
+    return Error{labels + read.error().message};
   }
-  for (const std::string& warning : warnings) warn("--labels " + warning);
+  for (const std::string& warning : warnings) options.warn(labels + warning);
   if (!scene.functions.empty() && has_points(scene.functions[0])) {
-    return Error{"--labels " + table + ": does not go with a transfer function (" +
-                 (flags.has_functions() ? "--tf" : "functions") + "), which says colours too"};
+    return Error{labels + table + ": does not go with a transfer function (" +
+                 options.naming.name(function_field(0)) + "), which says colours too"};
   }
   return {};
 }
 
-Status check_functions(const scene::SceneFile& scene, const FunctionFlags& flags, const VoxelFormat& format) {
+Status check_functions(const scene::ObjectParts& scene, const VoxelFormat& format,
+                       const FieldNaming& naming) {
   const bool labels = format.content == VoxelContent::labels;
+  for (std::size_t i = 0; i < scene.functions.size() && format.content != VoxelContent::scalar; ++i) {
+    if (scene.functions[i].gradients.empty()) continue;
+    return Error{naming.name(function_field(i, "gradients")) + ": the volume's voxels have no gradient"};
+  }
   const std::size_t most = labels || format.content == VoxelContent::scalar ? format.channels() : 0;
   if (scene.functions.size() > most) {
-    return Error{flags.source() + ": " + std::to_string(scene.functions.size()) +
+    return Error{naming.name("functions") + ": " + std::to_string(scene.functions.size()) +
                  " transfer functions for a volume that takes " + std::to_string(most)};
   }
   if (labels && !scene.functions.empty() && (scene.functions[0].window || scene.functions[0].percentiles)) {
-    return Error{std::string(scene.functions[0].window ? "--window" : "--percentile") +
-                 ": the volume's numbers are labels, which have no range (--no-labels shows them as values)"};
+    return Error{naming.name(function_field(0, scene.functions[0].window ? "window" : "percentile")) +
+                 ": the volume's numbers are labels, which have no range (" +
+                 naming.advice("--no-labels", "\"labels\": false") + " shows them as values)"};
   }
   if (scene.labels && scene.labels->enabled && !labels) {
-    return Error{
-        "--labels: the volume's numbers are no labels; gvx build INPUT --labels makes a store of some"};
-  }
-  GVX_ASSIGN(const auto gradients, flags.gradients());
-  if (!gradients.empty() && format.content != VoxelContent::scalar) {
-    return Error{"--gradient-opacity: the volume's voxels have no gradient"};
+    return Error{naming.name("labels") + ": the volume's numbers are no labels" +
+                 naming.advice("; gvx build INPUT --labels makes a store of some", "")};
   }
   return {};
 }
 
-Result<std::vector<scene::FunctionParts>> complete_functions(const scene::SceneFile& scene,
-                                                             const FunctionFlags& flags,
-                                                             const Scene& opened) {
-  const produce::TreeDescription& tree = opened.producer->description();
-  GVX_TRY(check_functions(scene, flags, tree.format));
+Result<std::vector<scene::FunctionParts>> complete_functions(const scene::ObjectParts& scene,
+                                                             const OpenVolume& volume,
+                                                             const FieldNaming& naming) {
+  const produce::TreeDescription& tree = volume.producer->description();
+  GVX_TRY(check_functions(scene, tree.format, naming));
   std::vector<scene::FunctionParts> functions = scene.functions;
   if (tree.format.content != VoxelContent::scalar) return functions;
   if (functions.empty()) functions.emplace_back();
-  for (scene::FunctionParts& function : functions) {
-    if (!has_points(function)) function = chosen_function(scene, function, opened);
+  for (std::size_t i = 0; i < functions.size(); ++i) {
+    scene::FunctionParts& function = functions[i];
+    if (!has_points(function)) function = chosen_function(scene, function, volume);
     if (function.percentiles && tree.histograms.empty()) {
-      return Error{"--percentile: the volume has no histogram; --window LEVEL,WIDTH does the same"};
+      return Error{naming.name(function_field(i, "percentile")) + ": the volume has no histogram; " +
+                   naming.advice("--window LEVEL,WIDTH", "window") + " does the same"};
     }
   }
   functions.resize(tree.format.channels(), functions.back());
-  GVX_ASSIGN(const auto gradients, flags.gradients());
-  if (!gradients.empty()) {
-    for (scene::FunctionParts& function : functions) function.gradients = gradients;
-  }
   return functions;
 }
 
-Result<std::vector<scene::TransferFunction>> open_functions(const scene::SceneFile& scene,
-                                                            const FunctionFlags& flags, const Scene& opened) {
-  const produce::TreeDescription& tree = opened.producer->description();
-  if (tree.format.content == VoxelContent::labels) return open_label_functions(scene, flags, opened);
+Result<std::vector<scene::TransferFunction>> open_functions(const scene::ObjectParts& scene,
+                                                            const OpenVolume& volume,
+                                                            const FieldNaming& naming) {
+  const produce::TreeDescription& tree = volume.producer->description();
+  if (tree.format.content == VoxelContent::labels) return open_label_functions(scene, volume, naming);
   std::vector<scene::TransferFunction> functions;
   for (std::size_t channel = 0; channel < scene.functions.size(); ++channel) {
     auto function = open_function(scene.functions[channel], value_statistics(tree, channel));
-    if (!function.ok()) return in_function(flags, channel, function.error());
+    if (!function.ok()) return in_function(naming, channel, function.error());
     functions.push_back(std::move(function).value());
   }
   return functions;
 }
 
-Result<nlohmann::json> label_legend(const scene::SceneFile& scene, const render::View& view,
-                                    const Scene& opened) {
+void warn_of_close_points(const produce::TreeDescription& tree,
+                          const std::vector<scene::TransferFunction>& functions, const Warn& warn) {
+  if (tree.format.content != VoxelContent::scalar) return;
+  for (std::size_t channel = 0; channel < functions.size(); ++channel) {
+    const scene::ValueStatistics values = value_statistics(tree, channel);
+    const auto close = scene::points_too_close(functions[channel], {values.minimum, values.maximum});
+    if (!close) continue;
+    std::ostringstream message;
+    message.precision(9);
+    message << "transfer function: the points at " << close->first << " and " << close->second
+            << " are too close to tell apart: the volume's values are from " << values.minimum << " to "
+            << values.maximum;
+    warn(message.str());
+  }
+}
+
+Result<nlohmann::json> label_legend(const scene::ObjectParts& scene, const scene::TransferFunction& function,
+                                    const OpenVolume& volume) {
   nlohmann::json legend = nlohmann::json::array();
   if (!scene.labels || scene.labels->table.empty()) return legend;
-  const ValueRange range = opened.producer->description().ranges.channel[0];
+  const ValueRange range = volume.producer->description().ranges.channel[0];
   GVX_ASSIGN(const scene::LabelTable table, io::read_label_table(scene.labels->table));
   for (const auto& [label, entry] : table) {
     if (label == 0 || double(label) < double(range.minimum) || double(label) > double(range.maximum))
       continue;
-    const Vec3d color = view.functions.front().color(label);
+    const Vec3d color = function.color(label);
     std::array<char, 8> text{};
     std::snprintf(text.data(), text.size(), "#%02x%02x%02x", unsigned(std::lround(255 * color.x)),
                   unsigned(std::lround(255 * color.y)), unsigned(std::lround(255 * color.z)));
@@ -209,4 +232,4 @@ Result<nlohmann::json> label_legend(const scene::SceneFile& scene, const render:
   return legend;
 }
 
-}  // namespace gvx::app
+}  // namespace gvx::open

@@ -1,4 +1,4 @@
-#include "visible_bounds.h"
+#include "gvx/open/visible_bounds.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-namespace gvx::app {
+namespace gvx::open {
 namespace {
 
 constexpr std::uint32_t kDeepest = 6;  // level of the nodes that are looked at
@@ -142,7 +142,8 @@ class BoundsFinder {
           end_seen = x + 1;
         }
         if (first_seen >= end_seen) continue;
-        const Vec3d from{double(first_seen), double(y), double(z)}, to{double(end_seen), y + 1.0, z + 1.0};
+        const Vec3d from{double(first_seen), double(y), double(z)},
+            to{double(end_seen), double(y + 1), double(z + 1)};
         join(intersect(Box3d{low + voxel * from, low + voxel * to}, within_));
       }
     }
@@ -168,4 +169,4 @@ Result<VisibleBounds> visible_bounds(const produce::Producer& producer, const sc
   return finder.bounds();
 }
 
-}  // namespace gvx::app
+}  // namespace gvx::open

@@ -1,0 +1,137 @@
+#include "gvx/open/open_scene.h"
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "gvx/open/cameras.h"
+#include "gvx/open/functions.h"
+#include "gvx/open/scene_view.h"
+#include "gvx/render/frame/frame.h"
+
+namespace gvx::open {
+namespace {
+
+/// What can be said of a scene before its volume is opened.
+Status check_before_opening(const scene::SceneFile& scene, const OpenOptions& options) {
+  GVX_TRY(check_function_files(scene, options));
+  return check_cameras(scene);
+}
+
+/// And before a volume of these voxels is built: an error where they cannot be shown so.
+Status check_before_building(const scene::SceneFile& scene, const VoxelFormat& format,
+                             const FieldNaming& naming) {
+  GVX_TRY(check_isovalue(scene, naming));
+  GVX_TRY(check_functions(scene, format, naming));
+  render::View view;
+  view.mode = scene.mode.value_or(view.mode);
+  view.classification = scene.classification.value_or(view.classification);
+  view.lighting = scene.lighting.over(view.lighting);
+  view.functions = {{{{0, {}}}, {{0, 0}}}};
+  tree::TreeDescription tree;
+  tree.format = format;
+  GVX_ASSIGN(const auto frame, render::Frame::make(exec::Device::cpu(1), view, tree));
+  (void)frame;
+  return {};
+}
+
+/// Opens the volume of a scene that was checked, after what can be checked when its voxels are known.
+Result<OpenVolume> open_volume_of(const scene::SceneFile& scene, const OpenOptions& options) {
+  OpenOptions with_checks = options;
+  with_checks.before_build = [&](const VoxelFormat& format) -> Status {
+    GVX_TRY(check_before_building(scene, format, options.naming));
+    return options.before_build(format);
+  };
+  return open_volume(scene, with_checks);
+}
+
+/// A scene of one of its objects alone.
+scene::SceneFile scene_of(const scene::SceneFile& scene, const scene::ObjectParts& object) {
+  scene::SceneFile one = scene;
+  one.objects.clear();
+  static_cast<scene::ObjectParts&>(one) = object;
+  return one;
+}
+
+/// The scene itself, or that of its only object.
+Result<scene::SceneFile> scene_of_one(const scene::SceneFile& scene) {
+  if (scene.objects.empty()) return scene;
+  const bool several = scene.objects.size() > 1;
+  if (several || scene.objects[0].transform != scene::TransformParts()) {
+    return Error{"objects: gvx renders scenes of one object without a transform; found " +
+                 (several ? std::to_string(scene.objects.size()) + " objects" : "a transform")};
+  }
+  return scene_of(scene, scene.objects[0]);
+}
+
+bool name_the_same_volume(const scene::ObjectParts& a, const scene::ObjectParts& b) {
+  const auto labels = [](const scene::ObjectParts& object) {
+    return object.labels ? std::optional(object.labels->enabled) : std::nullopt;
+  };
+  return a.volume == b.volume && a.raw == b.raw && a.series == b.series && a.time == b.time &&
+         a.even_slices == b.even_slices && a.generate == b.generate && labels(a) == labels(b);
+}
+
+/// Opens the object that `one` is the scene of, unless the volume of one before it is the same.
+Result<OpenObject> open_object(scene::SceneFile one, std::span<const scene::PlacedObject> before,
+                               std::span<const OpenObject> opened, const OpenOptions& options) {
+  GVX_TRY(check_function_files(one, options));
+  OpenObject object;
+  const auto same = std::find_if(before.begin(), before.end(), [&](const scene::PlacedObject& other) {
+    return name_the_same_volume(other, one);
+  });
+  if (same != before.end()) {
+    object.volume = opened[static_cast<std::size_t>(same - before.begin())].volume;
+  } else {
+    GVX_ASSIGN(object.volume, open_volume_of(one, options));
+  }
+  GVX_TRY(complete_look(one, object.volume, options.naming));
+  GVX_ASSIGN(object.look, make_view(one, object.volume, options.naming));
+  return object;
+}
+
+/// Of a scene that was checked.
+Result<OpenScene> show(OpenVolume volume, scene::SceneFile scene, const OpenOptions& options) {
+  GVX_TRY(complete_look(scene, volume, options.naming));
+  GVX_TRY(complete_cameras(scene, volume, options.naming));
+  OpenScene opened;
+  GVX_ASSIGN(opened.path, camera_path(scene));
+  GVX_ASSIGN(opened.view, make_view(scene, volume, options.naming));
+  if (opened.path) opened.view.camera = opened.path->key_frames().front().camera;
+  warn_of_close_points(volume.producer->description(), opened.view.functions, options.warn);
+  opened.volume = std::move(volume);
+  opened.scene = std::move(scene);
+  return opened;
+}
+
+}  // namespace
+
+Result<OpenScene> open_scene(const scene::SceneFile& scene, const OpenOptions& options) {
+  GVX_ASSIGN(const scene::SceneFile one, scene_of_one(scene));
+  GVX_TRY(check_before_opening(one, options));
+  GVX_ASSIGN(OpenVolume volume, open_volume_of(one, options));
+  return show(std::move(volume), one, options);
+}
+
+Result<OpenScene> look_at(const OpenVolume& volume, const scene::SceneFile& scene,
+                          const OpenOptions& options) {
+  GVX_ASSIGN(const scene::SceneFile one, scene_of_one(scene));
+  GVX_TRY(check_before_opening(one, options));
+  return show(volume, one, options);
+}
+
+Result<std::vector<OpenObject>> open_objects(const scene::SceneFile& scene, const OpenOptions& options) {
+  std::vector<scene::PlacedObject> objects = scene.objects;
+  if (objects.empty()) objects.push_back({scene, {}});
+  std::vector<OpenObject> opened;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    auto object = open_object(scene_of(scene, objects[i]), std::span(objects).first(i), opened, options);
+    if (!object.ok()) return Error{"objects[" + std::to_string(i) + "]: " + object.error().message};
+    object.value().to_world = objects[i].transform.to_world();
+    opened.push_back(std::move(object).value());
+  }
+  return opened;
+}
+
+}  // namespace gvx::open
