@@ -12,9 +12,10 @@ set(public_headers
   core/noise.h
   io/image.h io/label_table_file.h io/mesh.h io/mesh_parts.h io/raw.h io/store_build.h io/transfer_function_file.h io/volume_reader.h
   produce/amplify_producer.h produce/deeper_producer.h produce/field_kernels.h produce/field_producer.h produce/hypertexture.h
-  produce/kernel_producer.h produce/mesh_distance.h produce/mesh_voxels.h produce/repeat_producer.h produce/sampled_bounds.h
+  mesh/mesh_distance.h mesh/mesh_proxy.h mesh/mesh_voxels.h
+  produce/kernel_producer.h produce/repeat_producer.h produce/sampled_bounds.h
   produce/sponge_producer.h produce/store_producer.h produce/terrain.h
-  scene/camera_path.h scene/label_table.h scene/scene_file.h scene/transfer_presets.h
+  scene/camera_matrices.h scene/camera_path.h scene/label_table.h scene/scene_file.h scene/transfer_presets.h
   store/store_reader.h store/store_writer.h store/verify.h)
 install(CODE "
   set(GVX_HEADERS_FROM \"${PROJECT_SOURCE_DIR}/src/gvx\")

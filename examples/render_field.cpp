@@ -27,8 +27,8 @@ static gvx::Status run(const char* picture) {
   // see. Here that is estimated from samples. A period is 1/4 long; its bumps are half as wide.
   gvx::produce::SampledBoundsOptions sampling;
   sampling.feature = 1.0 / 8;
-  const auto producer = std::make_shared<gvx::produce::FieldProducer>(
-      tree, gyroid, gvx::produce::SampledBounds(gyroid, sampling));
+  GVX_ASSIGN(const auto bounds, gvx::produce::SampledBounds::create(gyroid, sampling));
+  const auto producer = std::make_shared<gvx::produce::FieldProducer>(tree, gyroid, bounds);
 
   // Where the estimate turns out to be wrong, the engine says so.
   gvx::engine::EngineOptions options;

@@ -1,5 +1,6 @@
 # Builds EXAMPLES with find_package(gvx), once against an install of BUILD in SCRATCH and once against BUILD as it is,
-# and runs what was built.
+# and runs what was built. Shows that a program with the engine alone (TESTS/engine_alone.cpp) needs no library for
+# images or meshes.
 
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -36,10 +37,35 @@ file(WRITE ${SCRATCH}/headers/CMakeLists.txt "cmake_minimum_required(VERSION 3.2
 project(headers LANGUAGES CXX)
 find_package(gvx REQUIRED)
 add_executable(all_headers all_headers.cpp)
-target_link_libraries(all_headers PRIVATE gvx::engine)
+target_link_libraries(all_headers PRIVATE gvx::engine gvx::mesh)
 ")
 run(${CMAKE_COMMAND} -S ${SCRATCH}/headers -B ${SCRATCH}/build_headers -G Ninja -DCMAKE_PREFIX_PATH=${prefix})
 run(${CMAKE_COMMAND} --build ${SCRATCH}/build_headers)
+
+# A program of the engine's: neither found nor linked is any library that only files and meshes need. Without
+# --as-needed all that is on the link line is in the program's list.
+file(COPY ${TESTS}/engine_alone.cpp DESTINATION ${SCRATCH}/engine_alone)
+file(WRITE ${SCRATCH}/engine_alone/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)
+project(engine_alone LANGUAGES CXX)
+foreach(package ZLIB BZip2 PNG OpenEXR TIFF EXPAT)
+  set(CMAKE_DISABLE_FIND_PACKAGE_\${package} ON)
+endforeach()
+find_package(gvx REQUIRED COMPONENTS engine)
+add_executable(engine_alone engine_alone.cpp)
+target_link_options(engine_alone PRIVATE -Wl,--no-as-needed)
+target_link_libraries(engine_alone PRIVATE gvx::engine)
+")
+set(built ${SCRATCH}/build_engine_alone)
+run(${CMAKE_COMMAND} -S ${SCRATCH}/engine_alone -B ${built} -G Ninja -DCMAKE_PREFIX_PATH=${prefix})
+run(${CMAKE_COMMAND} --build ${built})
+run(${built}/engine_alone)
+execute_process(COMMAND objdump -p ${built}/engine_alone OUTPUT_VARIABLE libraries COMMAND_ERROR_IS_FATAL ANY)
+if(NOT libraries MATCHES "NEEDED +libtbb")
+  message(FATAL_ERROR "objdump does not list the libraries of engine_alone:\n${libraries}")
+endif()
+if(libraries MATCHES "NEEDED +lib(embree|png|OpenEXR|Imath|tiff|expat|gdcm|z\\.|bz2)[^\n]*")
+  message(FATAL_ERROR "gvx::engine links a library for images or meshes: ${CMAKE_MATCH_0}")
+endif()
 
 # A block of '~' in a volume of spaces.
 string(REPEAT " " 32 empty_row)

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "gvx/produce/mesh_query.h"
-#include "gvx/produce/mesh_test_support.h"
-#include "gvx/produce/mesh_voxels.h"
+#include "gvx/mesh/mesh_query.h"
+#include "gvx/mesh/mesh_test_support.h"
+#include "gvx/mesh/mesh_voxels.h"
 #include "gvx/produce/store_producer.h"
 #include "test_scenes.h"
 
@@ -15,7 +15,7 @@ namespace {
 
 /// A ball with bumps; no axis or plane is special to it.
 io::TriangleMesh bumpy_ball() {
-  io::TriangleMesh mesh = produce::sphere_mesh({0, 0, 0}, 1, 5);
+  io::TriangleMesh mesh = mesh::sphere_mesh({0, 0, 0}, 1, 5);
   for (Vec3f& v : mesh.vertices) {
     const float bump = std::sin(5 * v.x + 1) * std::sin(4 * v.y - 2) * std::sin(6 * v.z + 0.5f);
     v = (1 + 0.2f * bump) * v;
@@ -31,9 +31,9 @@ struct Seen {
 /// What lines along x through the pixels' middles meet first. Pixels go along -y and down along -z, as a
 /// camera sees that looks along x with z up.
 Seen seen_by_embree(const io::TriangleMesh& mesh, std::uint32_t size, double height) {
-  const auto query = produce::MeshQuery::create(mesh).value();
+  const auto query = mesh::MeshQuery::create(mesh).value();
   Seen seen{std::vector<bool>(std::size_t(size) * size), {}};
-  std::vector<produce::MeshQuery::Crossing> crossings;
+  std::vector<mesh::MeshQuery::Crossing> crossings;
   for (std::uint32_t j = 0; j < size; ++j) {
     for (std::uint32_t i = 0; i < size; ++i) {
       const double y = (0.5 - (i + 0.5) / size) * height, z = (0.5 - (j + 0.5) / size) * height;
@@ -57,15 +57,15 @@ INSTANTIATE_TEST_SUITE_P(near_and_far, MeshImage, testing::Values(120u, 60u, 24u
 TEST_P(MeshImage, has_the_silhouette_and_the_mean_normal_that_embree_finds) {
   const std::uint32_t size = GetParam();
   const io::TriangleMesh mesh = bumpy_ball();
-  if (const auto made = produce::MeshQuery::create(mesh); !made.ok()) GTEST_SKIP() << made.error().message;
+  if (const auto made = mesh::MeshQuery::create(mesh); !made.ok()) GTEST_SKIP() << made.error().message;
   const double height = 2.6;
   const std::string path = testing::TempDir() + "gvx_mesh_image.gvx";
-  const auto spool = produce::spooled(mesh);
+  const auto spool = mesh::spooled(mesh);
   for (const bool solid : {true, false}) {
-    produce::MeshStoreOptions options;
+    mesh::MeshStoreOptions options;
     options.resolution = 160;
     options.solid = solid;
-    const auto built = produce::build_mesh_store(exec::Device::cpu(), *spool, path, options, {});
+    const auto built = mesh::build_mesh_store(exec::Device::cpu(), *spool, path, options, {});
     ASSERT_TRUE(built.ok()) << built.error().message;
 
     render::View view;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "gvx/exec/parallel.h"
+#include "gvx/produce/examine_element.h"
 #include "gvx/produce/field_producer.h"
 
 namespace gvx::tests {
@@ -119,12 +120,16 @@ ResidentScene::Resident::Resident(const exec::Device& device, const SceneObject&
                                   const render::View& view, engine::PoolSizes pools)
     : producer(*object.producer),
       frame(render::Frame::make(device, view, producer.description()).value()),
-      residency(device, producer, pools),
+      residency(device, producer, produce::TreeId(1), pools),
       look(device, pools.tiles, pools.bricks) {
   residency.attach(look);
   GVX_CHECK(residency.plant_root().ok());
-  GVX_CHECK(residency.plant_root_brick().ok());
+  residency.commit({made(*residency.ask_for_root())}, engine::Eviction::any);
   residency.set_visibility(look, frame.view().visibility);
+}
+
+produce::FinishedElement ResidentScene::Resident::made(const produce::ElementKey& key) const {
+  return {key, produce::make_element(producer, key.node, key.kind)};
 }
 
 render::ObjectView ResidentScene::Resident::view() {
@@ -168,13 +173,14 @@ render::Pass ResidentScene::next_pass() {
 void ResidentScene::produce_lacking() {
   std::uniform_real_distribution<double> share(0, 1);
   for (const auto& resident : residents_) {
-    std::vector<produce::Job> jobs = resident->residency.collect(number_, number_);
-    const auto later = [&](const produce::Job&) { return share(random_) < how_.withheld; };
-    jobs.erase(std::remove_if(jobs.begin(), jobs.end(), later), jobs.end());
-    resident->residency.limit_to_room(jobs, engine::Eviction::unused);
-    std::vector<produce::Produced> made;
-    for (const produce::Job& job : jobs) made.push_back(produce::make(resident->producer, job));
-    GVX_CHECK(resident->residency.commit(std::move(made), engine::Eviction::unused).ok());
+    const std::vector<engine::Lacking> all = resident->residency.collect(number_, number_);
+    engine::Room room = resident->residency.room(engine::Eviction::unused);
+    std::vector<produce::FinishedElement> made;
+    for (const engine::Lacking& lacking : all) {
+      if (share(random_) < how_.withheld || !room.take(lacking.element.kind)) continue;
+      made.push_back(resident->made(lacking.element));
+    }
+    resident->residency.commit(std::move(made), engine::Eviction::unused);
   }
 }
 

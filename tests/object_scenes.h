@@ -12,6 +12,7 @@
 #include "gvx/engine/look.h"
 #include "gvx/engine/residency.h"
 #include "gvx/produce/producer.h"
+#include "gvx/produce/production.h"
 #include "gvx/render/frame/film.h"
 #include "gvx/render/march_pass.h"
 
@@ -86,6 +87,7 @@ class ResidentScene {
     Resident(const exec::Device& device, const SceneObject& object, const render::View& view,
              engine::PoolSizes pools);
     render::ObjectView view();
+    produce::FinishedElement made(const produce::ElementKey& key) const;
 
     const produce::Producer& producer;
     render::Frame frame;

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "gvx/mesh/mesh_proxy.h"
 #include "gvx/produce/field_producer.h"
 #include "gvx/produce/hypertexture.h"
-#include "gvx/produce/proxy.h"
 #include "gvx/scene/transfer_presets.h"
 #include "test_scenes.h"
 
@@ -40,8 +40,7 @@ struct Rendered {
 };
 
 Rendered exact(const std::shared_ptr<const produce::Producer>& producer, const render::View& view,
-               std::shared_ptr<const produce::Proxy> proxy, const exec::Device& device,
-               bool one_ray = false) {
+               std::shared_ptr<const scene::Proxy> proxy, const exec::Device& device, bool one_ray = false) {
   engine::EngineOptions options;
   options.proxy = std::move(proxy);
   options.one_ray_at_a_time = one_ray;
@@ -56,8 +55,8 @@ class ProxyImage : public testing::Test {
   void SetUp() override {
     frame_ = render::Frame::make(exec::Device::cpu(1), view_, producer_->description()).value();
     const scene::Visibility visibility = frame_->view().visibility;
-    auto proxy = produce::Proxy::around_nodes(*producer_, 3,
-                                              [&](const ChannelRanges& r) { return visibility.hides(r); });
+    auto proxy = mesh::MeshProxy::around_nodes(*producer_, 3,
+                                               [&](const ChannelRanges& r) { return visibility.hides(r); });
     if (!proxy.ok()) GTEST_SKIP() << proxy.error().message;
     proxy_ = std::move(proxy).value();
   }
@@ -65,7 +64,7 @@ class ProxyImage : public testing::Test {
   std::shared_ptr<const produce::Producer> producer_ = cloud();
   render::View view_ = view_of_cloud();
   std::optional<render::Frame> frame_;
-  std::shared_ptr<const produce::Proxy> proxy_;
+  std::shared_ptr<const scene::Proxy> proxy_;
 };
 
 TEST_F(ProxyImage, leaves_every_bit_as_it_is) {
@@ -126,7 +125,7 @@ TEST_F(ProxyImage, cuts_what_is_not_in_it) {
   }
   box.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  const auto half = produce::Proxy::create(box, producer_->description()).value();
+  const auto half = mesh::MeshProxy::create(box, producer_->description()).value();
   const exec::Device cpu = exec::Device::cpu();
   render::View view = view_;
   view.camera = {{0.5, -3, 0.4}, {0.5, 0.5, 0.4}, {0, 0, 1}, 14, 0};

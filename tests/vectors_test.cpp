@@ -12,6 +12,7 @@
 #include <hwy/targets.h>
 
 #include "gvx/engine/residency.h"
+#include "gvx/produce/examine_element.h"
 #include "gvx/render/vectors/instruction_set.h"
 #include "gvx/scene/label_table.h"
 #include "test_scenes.h"
@@ -192,9 +193,12 @@ void expect_previews_alike(const TestScene& scene, const std::string& what) {
   const exec::Device cpu = exec::Device::cpu();
   const auto producer = scene.open();
   const produce::TreeDescription& tree = producer->description();
-  engine::Residency residency(cpu, *producer, {200, 60});
+  engine::Residency residency(cpu, *producer, produce::TreeId(1), {200, 60});
   ASSERT_TRUE(residency.plant_root().ok());
-  ASSERT_TRUE(residency.plant_root_brick().ok());
+  const auto make = [&](const produce::ElementKey& key) {
+    return produce::FinishedElement{key, produce::make_element(*producer, key.node, key.kind)};
+  };
+  residency.commit({make(residency.ask_for_root().value())}, engine::Eviction::any);
   const render::Frame frame = render::Frame::make(cpu, scene.view, tree).value();
   engine::Look look(cpu, 200, 60);
   residency.attach(look);
@@ -224,13 +228,14 @@ void expect_previews_alike(const TestScene& scene, const std::string& what) {
     pass.objects = {&object, 1};
     pass.number = number;
     pass.epoch = 1;
-    std::vector<produce::Job> jobs[2];
+    std::vector<produce::ElementKey> elements[2];
     for (const bool one_ray : {true, false}) {
       pass.one_ray_at_a_time = one_ray;
       const render::TilesMarch march{pass, grid, tiles.view(), exec::no_deadline()};
       exec::Buffer<render::PreviewPixel>& pixels = one_ray ? plain : vectors;
       EXPECT_TRUE(render::march_preview(cpu, {march, block, number, rays.view(), pixels.view()}));
-      jobs[one_ray ? 0 : 1] = residency.collect(number, number);
+      for (const engine::Lacking& l : residency.collect(number, number))
+        elements[one_ray ? 0 : 1].push_back(l.element);
     }
     for (std::uint32_t y = 0; y < height; y += block) {
       for (std::uint32_t x = 0; x < width; x += block) {
@@ -246,16 +251,18 @@ void expect_previews_alike(const TestScene& scene, const std::string& what) {
         ASSERT_NEAR(a.opacity, b.opacity, 1.0f / 255) << what << " at " << x << " " << y;
       }
     }
-    const auto key_less = [](const produce::Job& a, const produce::Job& b) {
-      return std::tie(a.kind, a.key.level, a.key.x, a.key.y, a.key.z) <
-             std::tie(b.kind, b.key.level, b.key.x, b.key.y, b.key.z);
+    const auto key_less = [](const produce::ElementKey& a, const produce::ElementKey& b) {
+      return std::tie(a.kind, a.node.level, a.node.x, a.node.y, a.node.z) <
+             std::tie(b.kind, b.node.level, b.node.x, b.node.y, b.node.z);
     };
-    for (auto& list : jobs) std::sort(list.begin(), list.end(), key_less);
-    EXPECT_EQ(jobs[0], jobs[1]) << what << " pass " << number;
-    residency.limit_to_room(jobs[1], engine::Eviction::unused);
-    std::vector<produce::Produced> made;
-    for (const produce::Job& job : jobs[1]) made.push_back(produce::make(*producer, job));
-    ASSERT_TRUE(residency.commit(std::move(made), engine::Eviction::unused).ok());
+    for (auto& list : elements) std::sort(list.begin(), list.end(), key_less);
+    EXPECT_EQ(elements[0], elements[1]) << what << " pass " << number;
+    engine::Room room = residency.room(engine::Eviction::unused);
+    std::vector<produce::FinishedElement> made;
+    for (const produce::ElementKey& key : elements[1]) {
+      if (room.take(key.kind)) made.push_back(make(key));
+    }
+    residency.commit(std::move(made), engine::Eviction::unused);
   }
   EXPECT_GT(lacking, 100u) << what;
   EXPECT_GE(10 * std::log10(3 * double(drawn) / squares), kLeast) << what;

@@ -13,8 +13,8 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 ROOMS = ROOT / "src" / "gvx"
 # What is above the rooms, and which rooms it may include.
-ABOVE = {"apps": {"engine", "produce", "render", "scene", "io", "store"}, "python": {"engine", "scene", "io"},
-         "examples": {"engine", "produce", "render", "scene", "io", "store"}, "tests": None, "bench": None}
+ABOVE = {"apps": {"engine", "mesh", "produce", "render", "scene", "io", "store"}, "python": {"engine", "scene", "io"},
+         "examples": {"engine", "mesh", "produce", "render", "scene", "io", "store"}, "tests": None, "bench": None}
 KEYWORDS = {"SOURCES", "DEVICE_SOURCES", "TESTS", "DEVICE_TESTS", "LIBRARIES"}
 
 

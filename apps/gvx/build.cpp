@@ -44,7 +44,7 @@ Status build_from_mesh(const Options& o, const io::StoreBuildOptions& common) {
     return Error{path + ": a store takes one mesh; several files are for the channels of a volume"};
   if (o.labels || !o.type.empty()) return Error{path + ": --labels and --type do not go with a mesh"};
   if (o.volume.given()) return VolumeFlags::refuse(path);
-  GVX_ASSIGN(produce::MeshStoreOptions options, o.mesh.parse());
+  GVX_ASSIGN(mesh::MeshStoreOptions options, o.mesh.parse());
   options.n = common.n;
   options.m = common.m;
   options.codec = common.codec;

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "gvx/io/mesh.h"
+#include "gvx/mesh/mesh_distance.h"
+#include "gvx/mesh/mesh_query.h"
 #include "gvx/produce/coverage.h"
 #include "gvx/produce/deeper_producer.h"
 #include "gvx/produce/field_kernels.h"
 #include "gvx/produce/field_producer.h"
 #include "gvx/produce/hypertexture.h"
-#include "gvx/produce/mesh_distance.h"
-#include "gvx/produce/mesh_query.h"
 #include "gvx/produce/sponge_producer.h"
 #include "gvx/produce/terrain.h"
 #include "gvx/scene/transfer_presets.h"
@@ -96,19 +96,19 @@ Scene terrain(const exec::Device& device, GenerateParts& parts) {
 
 /// A mesh in the cube, the box of which is the extent, and what its distances are found with.
 struct MeshScene {
-  std::shared_ptr<const produce::MeshQuery> query;
+  std::shared_ptr<const mesh::MeshQuery> query;
   produce::TreeDescription tree;
 };
 
 Result<MeshScene> open_mesh(const std::string& path, double margin, produce::TreeDescription tree) {
   GVX_ASSIGN(io::TriangleMesh mesh, io::read_mesh(path));
   tree.up = io::mesh_up(path, mesh.bounds()).axis;
-  produce::PlacedMesh placed = produce::PlacedMesh::in_cube(std::move(mesh), margin);
+  mesh::PlacedMesh placed = mesh::PlacedMesh::in_cube(std::move(mesh), margin);
   tree.tree_to_world = placed.tree_to_world;
   tree.extent = placed.extent;
-  const produce::InsideRule rule = produce::settle_inside(placed.mesh);
-  GVX_ASSIGN(std::shared_ptr<const produce::MeshQuery> query,
-             produce::MeshQuery::create(std::move(placed.mesh), rule));
+  const mesh::InsideRule rule = mesh::settle_inside(placed.mesh);
+  GVX_ASSIGN(std::shared_ptr<const mesh::MeshQuery> query,
+             mesh::MeshQuery::create(std::move(placed.mesh), rule));
   return MeshScene{std::move(query), tree};
 }
 
@@ -128,7 +128,7 @@ Result<Scene> cloud_of_mesh(const std::string& path, GenerateParts& parts) {
   const double reach = produce::HypertextureField::reach(cloud.options, 1.0 / cloud.tree.m);
   GVX_ASSIGN(const MeshScene mesh, open_mesh(path, 0.2, cloud.tree));
   auto distance = std::make_shared<produce::SparseField>(
-      std::make_shared<produce::MeshDistanceField>(mesh.query, reach), cloud.options.thickness);
+      std::make_shared<mesh::MeshDistanceField>(mesh.query, reach), cloud.options.thickness);
   auto density = std::make_shared<produce::HypertextureField>(std::move(distance), cloud.options);
   return Scene{std::make_shared<produce::FieldProducer>(mesh.tree, std::move(density)), "cloud"};
 }
@@ -167,7 +167,7 @@ Result<Scene> hypertexture_in_march(const std::string& path, const produce::Hype
   AddedNoise noise{.noise = options.noise, .strength = options.shift() / mesh.tree.scale, .fades = {}};
   if (options.shift() == 0) noise.noise.octaves = 0;
   auto bricks = std::make_shared<produce::FieldProducer>(
-      mesh.tree, std::make_shared<produce::MeshDistanceField>(mesh.query, band));
+      mesh.tree, std::make_shared<mesh::MeshDistanceField>(mesh.query, band));
   GVX_ASSIGN(auto deeper, produce::DeeperProducer::create(std::move(bricks), levels - 1 - tree.max_level));
   Scene scene{std::move(deeper), "inside", noise};
   GVX_TRY(show_distances(options, width, scene));
@@ -194,7 +194,7 @@ Result<Scene> hypertexture(const std::string& path, produce::HypertextureKind ki
   const double reach = produce::HypertextureField::reach(options, 1.0 / 16);
   GVX_ASSIGN(const MeshScene mesh, open_mesh(path, 0.1, tree));
   std::shared_ptr<const produce::Field> distance =
-      std::make_shared<produce::MeshDistanceField>(mesh.query, reach);
+      std::make_shared<mesh::MeshDistanceField>(mesh.query, reach);
   const bool shell =
       kind != produce::HypertextureKind::pseudo_mesh && kind != produce::HypertextureKind::solid_noise;
   if (shell) distance = std::make_shared<produce::SparseField>(std::move(distance), options.thickness);
@@ -212,9 +212,9 @@ Result<Scene> distance(const std::string& path, bool by_axes, GenerateParts& par
   GVX_ASSIGN(const MeshScene mesh, open_mesh_for_distances(path, band, tree));
   std::shared_ptr<const produce::Field> field;
   if (by_axes) {
-    field = std::make_shared<produce::AxisDistanceField>(mesh.query, band);
+    field = std::make_shared<mesh::AxisDistanceField>(mesh.query, band);
   } else {
-    field = std::make_shared<produce::MeshDistanceField>(mesh.query, band);
+    field = std::make_shared<mesh::MeshDistanceField>(mesh.query, band);
   }
   return Scene{std::make_shared<produce::FieldProducer>(mesh.tree, std::move(field)), "inside"};
 }

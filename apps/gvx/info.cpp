@@ -13,7 +13,7 @@
 #include "gvx/io/mesh.h"
 #include "gvx/io/value_survey.h"
 #include "gvx/io/volume_reader.h"
-#include "gvx/produce/mesh_spool.h"
+#include "gvx/mesh/mesh_spool.h"
 #include "gvx/store/notes.h"
 #include "gvx/store/store_reader.h"
 #include "messages.h"
@@ -136,9 +136,9 @@ Result<nlohmann::json> describe_mesh(const std::string& path) {
   const std::string folder = std::filesystem::temp_directory_path(error).string();
   Progress progress("reading", Progress::Unit::none);
   GVX_ASSIGN(const auto mesh,
-             produce::spool_mesh(path, folder.empty() ? "." : folder, 1ull << 30,
-                                 [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
-  const produce::MeshSummary& summary = mesh->summary();
+             mesh::spool_mesh(path, folder.empty() ? "." : folder, 1ull << 30,
+                              [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
+  const mesh::MeshSummary& summary = mesh->summary();
   const io::MeshUp up = io::mesh_up(path, summary.bounds);
   return nlohmann::json{{"format", "mesh"},
                         {"vertices", summary.vertices},
@@ -147,7 +147,7 @@ Result<nlohmann::json> describe_mesh(const std::string& path) {
                         {"doubled_triangles", summary.doubled},
                         {"colors", summary.colors},
                         {"closed", summary.closed()},
-                        {"wound_alike", summary.inside == produce::InsideRule::winding},
+                        {"wound_alike", summary.inside == mesh::InsideRule::winding},
                         {"unused", summary.unused},
                         {"up", kUpAxisNames[static_cast<std::size_t>(up.axis)]},
                         {"up_guessed", up.guessed},

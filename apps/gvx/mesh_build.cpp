@@ -29,8 +29,8 @@ void MeshFlags::add_to(CLI::App& command) {
       ->group(group);
 }
 
-Result<produce::MeshStoreOptions> MeshFlags::parse() const {
-  produce::MeshStoreOptions options;
+Result<mesh::MeshStoreOptions> MeshFlags::parse() const {
+  mesh::MeshStoreOptions options;
   if (resolution_) options.resolution = *resolution_;
   return options;
 }
@@ -50,7 +50,7 @@ std::string up_note(const std::string& path, const io::MeshUp& up) {
          " (--up overrides it)";
 }
 
-std::string mesh_notes(const produce::MeshSummary& summary, bool solid) {
+std::string mesh_notes(const mesh::MeshSummary& summary, bool solid) {
   std::vector<std::string> notes;
   const auto counted = [](std::uint64_t count, const char* one, const char* several) {
     return std::to_string(count) + (count == 1 ? one : several);
@@ -62,7 +62,7 @@ std::string mesh_notes(const produce::MeshSummary& summary, bool solid) {
     notes.push_back(counted(summary.doubled, " triangle is", " triangles are") +
                     " there twice; counted once");
   }
-  if (solid && summary.inside == produce::InsideRule::parity) {
+  if (solid && summary.inside == mesh::InsideRule::parity) {
     notes.emplace_back(
         "faces are not wound alike: filled by the even-odd rule, so what two parts share stays empty");
   }
@@ -77,14 +77,13 @@ std::string mesh_notes(const produce::MeshSummary& summary, bool solid) {
 }
 
 Result<BuiltMesh> build_mesh(const exec::Device& cpu, const std::string& path, const std::string& output,
-                             produce::MeshStoreOptions options, MeshFlags::Fill fill,
-                             std::optional<UpAxis> up, const std::string& title,
-                             const std::string& scratch_folder, bool quiet) {
+                             mesh::MeshStoreOptions options, MeshFlags::Fill fill, std::optional<UpAxis> up,
+                             const std::string& title, const std::string& scratch_folder, bool quiet) {
   const std::string beside = std::filesystem::path(output).parent_path().string();
   const std::string folder = !scratch_folder.empty() ? scratch_folder : beside.empty() ? "." : beside;
   std::optional<Progress> progress;
   std::string shown;
-  const produce::MeshBuildProgress show = [&](const char* what, std::uint64_t done, std::uint64_t all) {
+  const mesh::MeshBuildProgress show = [&](const char* what, std::uint64_t done, std::uint64_t all) {
     if (shown != what) {
       const bool voxels = std::string_view(what) == "building";
       progress.emplace(title + (shown = what), voxels ? Progress::Unit::voxels : Progress::Unit::none, quiet);
@@ -92,9 +91,9 @@ Result<BuiltMesh> build_mesh(const exec::Device& cpu, const std::string& path, c
     progress->show(done, all);
   };
   GVX_ASSIGN(const auto mesh,
-             produce::spool_mesh(path, folder, options.memory_bytes,
-                                 [&](std::uint64_t done, std::uint64_t all) { show("reading", done, all); }));
-  const produce::MeshSummary& summary = mesh->summary();
+             mesh::spool_mesh(path, folder, options.memory_bytes,
+                              [&](std::uint64_t done, std::uint64_t all) { show("reading", done, all); }));
+  const mesh::MeshSummary& summary = mesh->summary();
   options.solid = fill != MeshFlags::Fill::shell && summary.closed();
   if (fill == MeshFlags::Fill::solid && !options.solid) {
     return Error{path + ": the mesh is not closed, so it has no inside (--fill shell)"};
@@ -107,7 +106,7 @@ Result<BuiltMesh> build_mesh(const exec::Device& cpu, const std::string& path, c
     progress.reset();
     warn(path + ": " + notes);
   }
-  GVX_ASSIGN(const auto report, produce::build_mesh_store(cpu, *mesh, output, options, show));
+  GVX_ASSIGN(const auto report, mesh::build_mesh_store(cpu, *mesh, output, options, show));
   return BuiltMesh{report, up ? "" : up_note(path, likely)};
 }
 

@@ -11,7 +11,7 @@
 #include "gvx/core/up_axis.h"
 #include "gvx/exec/device.h"
 #include "gvx/io/mesh.h"
-#include "gvx/produce/mesh_voxels.h"
+#include "gvx/mesh/mesh_voxels.h"
 
 namespace gvx::app {
 
@@ -21,7 +21,7 @@ class MeshFlags {
   enum class Fill { automatic, solid, shell };
 
   void add_to(CLI::App& command);
-  Result<produce::MeshStoreOptions> parse() const;
+  Result<mesh::MeshStoreOptions> parse() const;
   Fill fill() const;
   /// The axis that points up, where that was said.
   std::optional<UpAxis> up() const;
@@ -35,13 +35,13 @@ class MeshFlags {
 
 /// What a user should know of how a mesh was read, without a line end; empty where there is nothing to say.
 /// `solid`: was it filled?
-std::string mesh_notes(const produce::MeshSummary& summary, bool solid);
+std::string mesh_notes(const mesh::MeshSummary& summary, bool solid);
 
 /// "bunny.obj: y is up, as in most OBJ files (--up overrides it)", if that is a guess; otherwise empty.
 std::string up_note(const std::string& path, const io::MeshUp& up);
 
 struct BuiltMesh {
-  produce::MeshStoreReport store;
+  mesh::MeshStoreReport store;
   std::string note;  ///< up_note(), unless the axis was said
 };
 
@@ -50,8 +50,8 @@ struct BuiltMesh {
 /// terminal it says how far it is, behind `title`. Scratch files stand in `scratch_folder`, or beside the
 /// store.
 Result<BuiltMesh> build_mesh(const exec::Device& cpu, const std::string& path, const std::string& output,
-                             produce::MeshStoreOptions options, MeshFlags::Fill fill,
-                             std::optional<UpAxis> up, const std::string& title = "",
-                             const std::string& scratch_folder = "", bool quiet = false);
+                             mesh::MeshStoreOptions options, MeshFlags::Fill fill, std::optional<UpAxis> up,
+                             const std::string& title = "", const std::string& scratch_folder = "",
+                             bool quiet = false);
 
 }  // namespace gvx::app

@@ -66,7 +66,7 @@ Status fill_store(const Devices& devices, const std::string& path, const io::Vol
                   const std::string& store_path) {
   const std::string title = "building a temporary store (gvx build keeps it)";
   if (io::is_mesh_name(path)) {
-    produce::MeshStoreOptions options;
+    mesh::MeshStoreOptions options;
     if (parts.resolution) options.resolution = *parts.resolution;
     parts.resolution.reset();
     options.codec = store::Codec::lz4;

@@ -15,6 +15,7 @@
 #include "gvx/io/file_commit.h"
 #include "gvx/io/image.h"
 #include "gvx/io/mesh.h"
+#include "gvx/mesh/mesh_proxy.h"
 #include "gvx/scene/camera_path.h"
 #include "gvx/scene/scene_file.h"
 #include "gvx/scene/transfer_limits.h"
@@ -71,16 +72,16 @@ Result<std::optional<io::TriangleMesh>> read_proxy(const Options& o) {
 }
 
 /// Of that mesh, or around the nodes that can be seen.
-Result<std::shared_ptr<const produce::Proxy>> make_proxy(std::optional<io::TriangleMesh> mesh,
-                                                         const Scene& scene, const render::View& view) {
+Result<std::shared_ptr<const scene::Proxy>> make_proxy(std::optional<io::TriangleMesh> mesh,
+                                                       const Scene& scene, const render::View& view) {
   const produce::TreeDescription& tree = scene.producer->description();
-  if (mesh) return produce::Proxy::create(std::move(*mesh), tree);
+  if (mesh) return mesh::MeshProxy::create(std::move(*mesh), tree);
   // What no function shows and no noise can make it show.
   GVX_ASSIGN(const auto frame, render::Frame::make(exec::Device::cpu(1), view, tree));
   const scene::Visibility visibility = frame.view().visibility;
   const std::uint32_t level = std::min(tree.max_level, tree.n == 2 ? 5u : 3u);
-  return produce::Proxy::around_nodes(*scene.producer, level,
-                                      [&](const ChannelRanges& ranges) { return visibility.hides(ranges); });
+  return mesh::MeshProxy::around_nodes(*scene.producer, level,
+                                       [&](const ChannelRanges& ranges) { return visibility.hides(ranges); });
 }
 
 /// An error where the volume is none that flags of raw files say anything of.

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <span>
 
 #include "gvx/brick/brick_layout.h"
@@ -48,6 +49,10 @@ class BrickPool {
   const std::byte* bytes() const { return bytes_.view().data; }
   std::uint32_t slots() const { return slots_; }
   std::size_t brick_bytes() const { return brick_bytes_; }
+
+  /// Gives the memory of these slots back to the system, as far as whole pages of it hold nothing else;
+  /// `empty` says of each slot whether it may be lost. On a GPU nothing is given back.
+  void release(std::span<const std::uint32_t> slots, const std::function<bool(std::uint32_t)>& empty);
 
   /// Overwrites a slot with `brick_bytes()` bytes, out of the host's memory or the device's.
   void write(BrickIndex index, std::span<const std::byte> voxels);

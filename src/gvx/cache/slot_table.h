@@ -34,7 +34,7 @@ class SlotTable {
  public:
   /// Slots 0 to `slots`-1; the first `reserved` of them are never given away, and have no name.
   SlotTable(const exec::Device& device, std::uint32_t slots, std::uint32_t reserved = 0)
-      : usage_(device, slots, reserved), owners_(slots), unused_(slots - reserved) {}
+      : usage_(device, slots, reserved), unused_(slots - reserved) {}
 
   /// What kernels stamp.
   UsageView usage() { return usage_.view(); }
@@ -47,7 +47,7 @@ class SlotTable {
     return found == slot_of_.end() ? std::nullopt : std::optional(found->second);
   }
   bool contains(const Key& key) const { return slot_of_.contains(key); }
-  bool occupied(std::uint32_t slot) const { return owners_[slot].occupied; }
+  bool occupied(std::uint32_t slot) const { return slot < owners_.size() && owners_[slot].occupied; }
   /// What an occupied slot holds.
   const Key& key(std::uint32_t slot) const { return owners_[slot].key; }
 
@@ -68,18 +68,27 @@ class SlotTable {
     const auto count = static_cast<std::uint32_t>(std::min<std::size_t>(wanted, room(eviction)));
     TakenSlots taken{usage_.take_oldest(count), {}};
     unused_ -= std::min(unused_, count);
-    for (const std::uint32_t slot : taken.slots) {
-      Owner& owner = owners_[slot];
-      if (!owner.occupied) continue;
-      slot_of_.erase(owner.key);
-      owner.occupied = false;
-      taken.recycled.push_back(slot);
-    }
+    empty(taken);
     return taken;
   }
+  /// The `count` oldest slots hold nothing any more and are not to be given away, until restore().
+  TakenSlots withhold(std::uint32_t count) {
+    TakenSlots taken{usage_.withhold(count), {}};
+    unused_ -= std::min(unused_, count);
+    empty(taken);
+    return taken;
+  }
+  void restore(std::uint32_t count) {
+    usage_.restore(count);
+    unused_ += count;
+  }
+  std::uint32_t withheld() const { return usage_.withheld(); }
+  std::uint32_t oldest_pass() const { return usage_.oldest_pass(); }
+
   /// Names what is in an empty slot; nothing else may have the name.
   void put(std::uint32_t slot, const Key& key) {
-    GVX_CHECK(!owners_[slot].occupied && !contains(key));
+    GVX_CHECK(!occupied(slot) && !contains(key));
+    if (slot >= owners_.size()) owners_.resize(slot + 1);
     owners_[slot] = {key, true};
     slot_of_[key] = slot;
   }
@@ -103,8 +112,19 @@ class SlotTable {
     bool occupied = false;
   };
 
+  /// Lists those of the slots that held something, and forgets what.
+  void empty(TakenSlots& taken) {
+    for (const std::uint32_t slot : taken.slots) {
+      if (!occupied(slot)) continue;
+      Owner& owner = owners_[slot];
+      slot_of_.erase(owner.key);
+      owner.occupied = false;
+      taken.recycled.push_back(slot);
+    }
+  }
+
   UsageList usage_;
-  std::vector<Owner> owners_;  // of each slot
+  std::vector<Owner> owners_;  // of each slot that ever held something
   std::unordered_map<Key, std::uint32_t, Hash> slot_of_;
   std::uint32_t unused_;  // at the front of the order
 };

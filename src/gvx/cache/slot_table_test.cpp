@@ -40,6 +40,7 @@ TEST(SlotTable, agrees_with_a_list_and_a_map) {
   for (std::uint32_t i = 0; i < kSlots; ++i) order[i] = i;
   std::map<std::uint32_t, std::uint32_t> name_in;
   std::uint32_t next_name = 0;
+  std::vector<std::uint32_t> withheld;
   for (std::uint32_t pass = 1; pass < 400; ++pass) {
     std::vector<bool> used(kSlots);
     for (std::uint32_t i = random() % kSlots; i > 0; --i) {
@@ -50,12 +51,32 @@ TEST(SlotTable, agrees_with_a_list_and_a_map) {
     table.order_by_use(pass, pass);
     const auto middle =
         std::stable_partition(order.begin(), order.end(), [&](auto slot) { return !used[slot]; });
-    const auto unused = static_cast<std::uint32_t>(middle - order.begin());
+    auto unused = static_cast<std::uint32_t>(middle - order.begin());
     ASSERT_EQ(table.room(Eviction::unused), unused);
+    if (random() % 8 == 0) {
+      const auto back = random() % (static_cast<std::uint32_t>(withheld.size()) + 1);
+      table.restore(back);
+      for (std::uint32_t i = 0; i < back; ++i) {
+        order.insert(order.begin() + i, withheld.back());
+        withheld.pop_back();
+      }
+      unused += back;
+    }
+    if (random() % 8 == 0) {
+      const auto gone = random() % (static_cast<std::uint32_t>(order.size()) / 2 + 1);
+      const TakenSlots taken = table.withhold(gone);
+      ASSERT_EQ(taken.slots, std::vector<std::uint32_t>(order.begin(), order.begin() + gone));
+      for (const std::uint32_t slot : taken.slots) name_in.erase(slot);
+      order.erase(order.begin(), order.begin() + gone);
+      withheld.insert(withheld.end(), taken.slots.rbegin(), taken.slots.rend());
+      unused -= std::min(unused, gone);
+    }
+    ASSERT_EQ(table.withheld(), withheld.size());
+    const auto givable = static_cast<std::uint32_t>(order.size());
     const Eviction eviction = random() % 2 == 0 ? Eviction::unused : Eviction::any;
     const std::size_t wanted = random() % kSlots;
     const TakenSlots taken = table.take(wanted, eviction);
-    const std::size_t count = std::min<std::size_t>(wanted, eviction == Eviction::any ? kSlots : unused);
+    const std::size_t count = std::min<std::size_t>(wanted, eviction == Eviction::any ? givable : unused);
     ASSERT_EQ(taken.slots,
               std::vector<std::uint32_t>(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count)));
     std::vector<std::uint32_t> recycled;

@@ -8,9 +8,9 @@
 
 namespace gvx::engine {
 
-using produce::Job;
-using produce::JobKind;
-using produce::Produced;
+using produce::ElementKey;
+using produce::ElementKind;
+using produce::FinishedElement;
 
 Result<PoolSizes> PoolSizes::fitting(std::uint64_t memory_bytes, const produce::TreeDescription& tree) {
   constexpr std::uint64_t kFewestTiles = 8192, kMostTiles = 1u << 22, kMostBricks = 1u << 28;
@@ -37,8 +37,10 @@ std::string BrokenBounds::message() const {
   return text.str();
 }
 
-Residency::Residency(const exec::Device& device, const produce::Producer& producer, PoolSizes sizes)
+Residency::Residency(const exec::Device& device, const produce::Producer& producer, produce::TreeId tree,
+                     PoolSizes sizes)
     : producer_(producer),
+      tree_(tree),
       nodes_(device, producer.description().n, sizes.tiles, producer.description().format.channels()),
       bricks_(device, producer.description().brick_bytes(), sizes.bricks),
       marks_(device, nodes_.nodes()),
@@ -54,14 +56,12 @@ Status Residency::plant_root() {
   return {};
 }
 
-Result<CommitCounts> Residency::plant_root_brick() {
+std::optional<ElementKey> Residency::ask_for_root() {
   const NodeIndex root = tree::NodePool::root();
-  if (nodes_.content(root).kind() != tree::ContentKind::none) return CommitCounts{};
-  const Job job{NodeKey{}, JobKind::brick};
-  askers_[job] = {root};
-  GVX_ASSIGN(CommitCounts counts, commit(produce::make(producer_, std::span(&job, 1)), Eviction::any));
-  GVX_CHECK(counts.committed == 1);
-  return counts;
+  if (nodes_.content(root).kind() != tree::ContentKind::none) return std::nullopt;
+  const ElementKey element{tree_, NodeKey{}, ElementKind::brick};
+  askers_[element] = {UINT32_MAX, {root}};  // kept until it comes
+  return element;
 }
 
 void Residency::attach(Look& look) {
@@ -93,12 +93,12 @@ NodeKey Residency::key_of(NodeIndex node) const {
       child(tile_slots_.key(tile.value), static_cast<int>(producer_.description().n), index));
 }
 
-void Residency::link(NodeIndex node, const Job& job) {
-  if (job.kind == JobKind::brick) {
-    if (const auto slot = brick_slots_.find(job.key)) {
+void Residency::link(NodeIndex node, const ElementKey& element) {
+  if (element.kind == ElementKind::brick) {
+    if (const auto slot = brick_slots_.find(element.node)) {
       nodes_.set_content(node, tree::ContentWord::of_brick(BrickIndex(*slot)));
     }
-  } else if (const auto tile = tile_slots_.find(job.key)) {
+  } else if (const auto tile = tile_slots_.find(element.node)) {
     nodes_.set_children(node, TileIndex(*tile));
   }
 }
@@ -108,137 +108,126 @@ bool Residency::is_gone(NodeIndex node) const {
   return tile.value != 0 && !tile_slots_.occupied(tile.value);
 }
 
-std::vector<Job> Residency::collect(std::uint32_t pass, std::uint32_t in_use_since) {
+std::vector<Lacking> Residency::collect(std::uint32_t pass, std::uint32_t in_use_since) {
   tile_slots_.order_by_use(pass, in_use_since);
   brick_slots_.order_by_use(pass, in_use_since);
-  askers_.clear();
-  struct Urgent {
-    Job job;
-    std::uint32_t priority;
-  };
-  std::vector<Urgent> urgent;
+  // Rays that still march ask again in each pass.
+  std::erase_if(askers_, [&](const auto& asked) { return asked.second.pass < in_use_since; });
+  std::vector<Lacking> lacking;
   const auto requests = marks_.collect();
   requested_ = requests.size();
+  std::unordered_set<ElementKey, produce::ElementKeyHash> listed;
   for (const cache::Request& request : requests) {
     const NodeKey key = key_of(request.node);
-    for (const auto& [bit, kind] : {std::pair(cache::kNeedsBrick, JobKind::brick),
-                                    std::pair(cache::kNeedsChildren, JobKind::children)}) {
+    for (const auto& [bit, kind] : {std::pair(cache::kNeedsBrick, ElementKind::brick),
+                                    std::pair(cache::kNeedsChildren, ElementKind::children)}) {
       if ((request.kinds & bit) == 0) continue;
-      const Job job{key, kind};
-      const bool resident = kind == JobKind::brick ? brick_slots_.contains(key) : tile_slots_.contains(key);
+      const ElementKey element{tree_, key, kind};
+      const bool resident =
+          kind == ElementKind::brick ? brick_slots_.contains(key) : tile_slots_.contains(key);
       if (resident) {
-        link(request.node, job);
+        link(request.node, element);
         continue;
       }
-      auto& askers = askers_[job];
-      if (askers.empty()) urgent.push_back({job, request.priority});
-      askers.push_back(request.node);
+      Askers& askers = askers_[element];
+      if (listed.insert(element).second) {
+        lacking.push_back({element, request.priority});
+        askers.nodes.clear();
+      }
+      askers.pass = pass;
+      askers.nodes.push_back(request.node);
     }
   }
-  std::stable_sort(urgent.begin(), urgent.end(), [](const Urgent& a, const Urgent& b) {
-    if (a.job.key.level != b.job.key.level) return a.job.key.level < b.job.key.level;
-    return a.priority > b.priority;
-  });
-  std::vector<Job> jobs;
-  jobs.reserve(urgent.size());
-  for (const Urgent& u : urgent) jobs.push_back(u.job);
-  return jobs;
+  std::stable_sort(lacking.begin(), lacking.end(), more_urgent);
+  return lacking;
 }
 
-bool Residency::limit_to_room(std::vector<Job>& jobs, Eviction eviction) const {
-  std::size_t tiles = tile_slots_.room(eviction), bricks = brick_slots_.room(eviction);
-  const auto kept = std::remove_if(jobs.begin(), jobs.end(), [&](const Job& job) {
-    std::size_t& room = job.kind == JobKind::brick ? bricks : tiles;
-    if (room == 0) return true;
-    --room;
-    return false;
-  });
-  const bool dropped = kept != jobs.end();
-  jobs.erase(kept, jobs.end());
-  return dropped;
-}
-
-void Residency::fill_tile(TileIndex tile, const Produced& made) {
-  tile_slots_.put(tile.value, made.job.key);
+void Residency::fill_tile(TileIndex tile, const FinishedElement& made) {
+  const produce::Element& children = made.element.value();
+  tile_slots_.put(tile.value, made.key.node);
   for (std::uint32_t i = 0; i < nodes_.nodes_per_tile(); ++i) {
     const NodeIndex node = nodes_.node_of(tile, i);
-    const tree::NodeInfo& info = made.children[i];
+    const tree::NodeInfo& info = children.children[i];
     nodes_.reset_node(node, info);
     if (info.ranges.constant()) continue;
-    link(node, {made.child_keys[i], JobKind::brick});
-    if (!info.terminal) link(node, {made.child_keys[i], JobKind::children});
+    link(node, {tree_, children.child_keys[i], ElementKind::brick});
+    if (!info.terminal) link(node, {tree_, children.child_keys[i], ElementKind::children});
   }
   for (Look* look : looks_) look->classify_tile(nodes_, tile);
 }
 
-std::optional<BrokenBounds> Residency::broken_bounds(NodeIndex node, const Produced& made) const {
-  if (!made.found) return std::nullopt;
+std::optional<BrokenBounds> Residency::broken_bounds(NodeIndex node, const FinishedElement& made) const {
+  const std::optional<ChannelRanges>& found_ranges = made.element.value().found;
+  if (!found_ranges) return std::nullopt;
   const ChannelRanges promised = nodes_.ranges(node);
   for (std::uint32_t c = 0; c < producer_.description().format.channels(); ++c) {
-    const ValueRange bounds = promised.channel[c], found = made.found->channel[c];
+    const ValueRange bounds = promised.channel[c], found = found_ranges->channel[c];
     if (found.minimum < bounds.minimum || found.maximum > bounds.maximum) {
-      return BrokenBounds{made.job.key, c, bounds, found};
+      return BrokenBounds{made.key.node, c, bounds, found};
     }
   }
   return std::nullopt;
 }
 
-Result<CommitCounts> Residency::commit(std::vector<Produced> made, Eviction eviction) {
+void Residency::withhold_bricks(std::uint32_t count) {
+  const cache::TakenSlots taken = brick_slots_.withhold(count);
+  nodes_.clear_pointers({}, taken.recycled, bricks_.slots());
+  bricks_.release(taken.recycled, [&](std::uint32_t slot) { return !brick_slots_.occupied(slot); });
+}
+
+CommitCounts Residency::commit(std::vector<FinishedElement> made, Eviction eviction) {
   CommitCounts counts;
-  std::vector<const Produced*> tiles, bricks;
-  Status failed;
-  std::unordered_set<Job, produce::JobHash> seen;
-  for (const Produced& p : made) {
-    if (!seen.insert(p.job).second) continue;
-    if (!p.status.ok()) {
-      if (failed.ok()) failed = p.status;
-      continue;
-    }
-    if (p.job.kind == JobKind::children) {
-      if (!tile_slots_.contains(p.job.key)) tiles.push_back(&p);
-    } else if (!p.constant && !brick_slots_.contains(p.job.key)) {
-      bricks.push_back(&p);
+  std::vector<const FinishedElement*> tiles, bricks;
+  std::unordered_set<ElementKey, produce::ElementKeyHash> seen;
+  for (const FinishedElement& element : made) {
+    if (!element.element.ok() || !seen.insert(element.key).second) continue;
+    if (element.key.kind == ElementKind::children) {
+      if (!tile_slots_.contains(element.key.node)) tiles.push_back(&element);
+    } else if (!element.element.value().constant && !brick_slots_.contains(element.key.node)) {
+      bricks.push_back(&element);
     }
   }
   const cache::TakenSlots for_tiles = tile_slots_.take(tiles.size(), eviction);
   const cache::TakenSlots for_bricks = brick_slots_.take(bricks.size(), eviction);
   counts.bricks_evicted = for_bricks.recycled.size();
   nodes_.clear_pointers(for_tiles.recycled, for_bricks.recycled, bricks_.slots());
-  counts.turned_away = tiles.size() - for_tiles.slots.size() + bricks.size() - for_bricks.slots.size();
-  counts.committed = made.size() - counts.turned_away;
 
   for (std::size_t i = 0; i < for_bricks.slots.size(); ++i) {
     const std::uint32_t slot = for_bricks.slots[i];
-    bricks_.write(BrickIndex(slot), bricks[i]->voxels);
+    bricks_.write(BrickIndex(slot), bricks[i]->element.value().voxels);
     for (Look* look : looks_) look->forget_brick(BrickIndex(slot));
-    brick_slots_.put(slot, bricks[i]->job.key);
+    brick_slots_.put(slot, bricks[i]->key.node);
   }
   for (std::size_t i = 0; i < for_tiles.slots.size(); ++i)
     fill_tile(TileIndex(for_tiles.slots[i]), *tiles[i]);
+  for (const FinishedElement& element : made) {
+    if (element.element.ok()) link_askers(element, counts);
+  }
+  return counts;
+}
 
-  for (const Produced& p : made) {
-    const auto askers = askers_.find(p.job);
-    if (!p.status.ok() || askers == askers_.end()) continue;
-    bool compared = false;
-    for (const NodeIndex node : askers->second) {
-      // The tile that the asker stood in may have been given away since.
-      if (is_gone(node) || key_of(node) != p.job.key) continue;
-      if (!std::exchange(compared, true)) {
-        if (auto broken = broken_bounds(node, p)) {
-          ++counts.broken_bounds;
-          if (!counts.first_broken) counts.first_broken = broken;
-        }
-      }
-      if (p.constant) {
-        nodes_.set_constant(node, *p.constant);
-        for (Look* look : looks_) look->classify_node(nodes_, node);
-      } else {
-        link(node, p.job);
+void Residency::link_askers(const FinishedElement& made, CommitCounts& counts) {
+  const auto askers = askers_.find(made.key);
+  if (askers == askers_.end()) return;
+  const std::optional<ChannelRanges>& constant = made.element.value().constant;
+  bool compared = false;
+  for (const NodeIndex node : askers->second.nodes) {
+    // The tile that the asker stood in may have been given away since.
+    if (is_gone(node) || key_of(node) != made.key.node) continue;
+    if (!std::exchange(compared, true)) {
+      if (const auto broken = broken_bounds(node, made)) {
+        ++counts.broken_bounds;
+        if (!counts.first_broken) counts.first_broken = broken;
       }
     }
+    if (constant) {
+      nodes_.set_constant(node, *constant);
+      for (Look* look : looks_) look->classify_node(nodes_, node);
+    } else {
+      link(node, made.key);
+    }
   }
-  GVX_TRY(failed);
-  return counts;
+  askers_.erase(askers);
 }
 
 void Residency::check_invariants() const {

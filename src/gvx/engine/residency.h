@@ -15,8 +15,9 @@
 #include "gvx/core/result.h"
 #include "gvx/engine/look.h"
 #include "gvx/exec/device.h"
+#include "gvx/produce/element.h"
 #include "gvx/produce/producer.h"
-#include "gvx/produce/production_queue.h"
+#include "gvx/produce/production.h"
 #include "gvx/tree/node_pool.h"
 
 namespace gvx::engine {
@@ -46,22 +47,46 @@ struct BrokenBounds {
 
 /// What a commit did with what it was given.
 struct CommitCounts {
-  std::uint64_t committed = 0;
   std::uint64_t bricks_evicted = 0;
-  std::uint64_t turned_away = 0;                  ///< for want of room; rays will ask again
   std::uint64_t broken_bounds = 0;                ///< bricks
   std::optional<BrokenBounds> first_broken = {};  ///< the first of them
 };
 
+/// An element that rays lack.
+struct Lacking {
+  produce::ElementKey element;
+  std::uint32_t priority = 0;  ///< how much pictures would gain
+};
+/// Coarse levels come first: finer nodes are found below them.
+inline bool more_urgent(const Lacking& a, const Lacking& b) {
+  if (a.element.node.level != b.element.node.level) return a.element.node.level < b.element.node.level;
+  return a.priority > b.priority;
+}
+
+/// Slots that may be given away.
+struct Room {
+  std::size_t tiles = 0, bricks = 0;
+
+  /// Takes one for an element; false where none is left.
+  bool take(produce::ElementKind kind) {
+    std::size_t& left = kind == produce::ElementKind::brick ? bricks : tiles;
+    if (left == 0) return false;
+    --left;
+    return true;
+  }
+};
+
 class Residency {
  public:
-  Residency(const exec::Device& device, const produce::Producer& producer, PoolSizes sizes);
+  /// `tree` is the producer's name in what is asked for.
+  Residency(const exec::Device& device, const produce::Producer& producer, produce::TreeId tree,
+            PoolSizes sizes);
 
   /// Puts the root in place; once, before anything else.
   Status plant_root();
 
-  /// Makes the root's brick where a preview would have nothing else to show.
-  Result<CommitCounts> plant_root_brick();
+  /// The root's brick, if it is not there: to be made where a preview would have nothing else to show.
+  std::optional<produce::ElementKey> ask_for_root();
 
   /// Keeps a look up to date from now on; it must live until it is detached.
   void attach(Look& look);
@@ -77,19 +102,30 @@ class Residency {
   cache::RequestView requests() { return marks_.view(); }
 
   /// After a pass: orders both caches by use, and returns what its rays lack, the most urgent first, each
-  /// once. What is resident under another name is linked at once.
-  /// What pass `in_use_since` and later ones have touched is in use.
-  std::vector<produce::Job> collect(std::uint32_t pass, std::uint32_t in_use_since);
+  /// once. What is resident under another name is linked at once. What pass `in_use_since` and later ones
+  /// have touched is in use.
+  std::vector<Lacking> collect(std::uint32_t pass, std::uint32_t in_use_since);
 
-  /// Drops jobs, from the back, that commit() would have no room for; returns whether there were any.
-  bool limit_to_room(std::vector<produce::Job>& jobs, Eviction eviction) const;
+  /// For how much commit() would have room.
+  Room room(Eviction eviction) const { return {tile_slots_.room(eviction), brick_slots_.room(eviction)}; }
 
-  /// Takes in what producers made. An error of a producer is returned after the rest has been committed.
-  Result<CommitCounts> commit(std::vector<produce::Produced> made, Eviction eviction);
+  /// The `count` oldest bricks' slots are given up, and their memory with them, until they are restored.
+  void withhold_bricks(std::uint32_t count);
+  void restore_bricks(std::uint32_t count) { brick_slots_.restore(count); }
+  std::uint32_t withheld_bricks() const { return brick_slots_.withheld(); }
+  /// In which pass the oldest brick's slot was used last.
+  std::uint32_t oldest_brick_pass() const { return brick_slots_.oldest_pass(); }
+
+  /// Takes in what producers made; what failed is passed over.
+  CommitCounts commit(std::vector<produce::FinishedElement> made, Eviction eviction);
 
   /// Requested nodes in the last collect().
   std::uint64_t requested() const { return requested_; }
   std::uint64_t resident_bricks() const { return brick_slots_.size(); }
+  /// Slots that nothing is in.
+  std::uint64_t free_bricks() const {
+    return brick_slots_.slots() - brick_slots_.withheld() - resident_bricks();
+  }
   std::uint64_t resident_nodes() const { return tile_slots_.size() * nodes_.nodes_per_tile() + 1; }
 
   /// Checks every pointer, map and list against each other; aborts where they disagree. For tests.
@@ -98,21 +134,27 @@ class Residency {
  private:
   NodeKey key_of(NodeIndex node) const;
   void classify_all(Look& look) const;
-  void link(NodeIndex node, const produce::Job& job);
+  void link(NodeIndex node, const produce::ElementKey& job);
   /// Has the node's tile been given away?
   bool is_gone(NodeIndex node) const;
-  void fill_tile(TileIndex tile, const produce::Produced& made);
-  std::optional<BrokenBounds> broken_bounds(NodeIndex node, const produce::Produced& made) const;
+  void fill_tile(TileIndex tile, const produce::FinishedElement& made);
+  void link_askers(const produce::FinishedElement& made, CommitCounts& counts);
+  std::optional<BrokenBounds> broken_bounds(NodeIndex node, const produce::FinishedElement& made) const;
 
   const produce::Producer& producer_;
+  produce::TreeId tree_;
   tree::NodePool nodes_;
   brick::BrickPool bricks_;
   cache::RequestMarks marks_;
   std::vector<Look*> looks_;
   cache::SlotTable<NodeKey, NodeKeyHash> tile_slots_;   // of nodes_, by the canonical parent
   cache::SlotTable<NodeKey, NodeKeyHash> brick_slots_;  // of bricks_, by the canonical node
-  // Who asked for a job in the last collect; with shared sub-trees there may be many.
-  std::unordered_map<produce::Job, std::vector<NodeIndex>, produce::JobHash> askers_;
+  // Who asked for an element, and in which pass last; with shared sub-trees there may be many.
+  struct Askers {
+    std::uint32_t pass = 0;
+    std::vector<NodeIndex> nodes;
+  };
+  std::unordered_map<produce::ElementKey, Askers, produce::ElementKeyHash> askers_;
   std::uint64_t requested_ = 0;
 };
 

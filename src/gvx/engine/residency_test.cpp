@@ -4,23 +4,28 @@
 #include "gvx/engine/residency.h"
 
 #include <algorithm>
-#include <array>
-#include <map>
 #include <random>
+#include <unordered_set>
 #include <utility>
 
 #include <gtest/gtest.h>
 
+#include "gvx/produce/examine_element.h"
 #include "gvx/produce/field_producer.h"
 #include "gvx/produce/sponge_producer.h"
 
 namespace gvx::engine {
 namespace {
 
-using produce::Job;
-using produce::JobKind;
-using produce::make;
-using produce::Produced;
+using produce::ElementKey;
+using produce::ElementKind;
+using produce::FinishedElement;
+
+constexpr produce::TreeId kTree(7);
+
+FinishedElement make(const produce::Producer& producer, const ElementKey& key) {
+  return {key, produce::make_element(producer, key.node, key.kind)};
+}
 
 /// A ramp along x whose right part is one value.
 std::shared_ptr<const produce::Producer> ramp(std::uint32_t n) {
@@ -78,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_P(RandomWalk, keeps_every_invariant) {
   const auto producer = GetParam().producer();
   const int n = static_cast<int>(producer->description().n);
-  Residency residency(exec::Device::cpu(2), *producer, GetParam().sizes);
+  Residency residency(exec::Device::cpu(2), *producer, kTree, GetParam().sizes);
   ASSERT_TRUE(residency.plant_root().ok());
   // Two viewers; one comes late.
   const PoolSizes sizes = GetParam().sizes;
@@ -97,7 +102,7 @@ TEST_P(RandomWalk, keeps_every_invariant) {
   for (const double from : {0.0, 0.35, 0.9}) {
     tables.push_back(scene::bake({{{0, {1, 1, 1}}}, {{from, 0}, {1, 1}}, 0, {}}, 1, 0, 16));
   }
-  std::vector<Produced> late;  // made, but committed in a later pass
+  std::vector<FinishedElement> late;  // made, but committed in a later pass
   std::uint64_t committed = 0, linked = 0;
   for (std::uint32_t pass = 1; pass <= 400; ++pass) {
     if (pass == 50) residency.attach(second);
@@ -124,22 +129,28 @@ TEST_P(RandomWalk, keeps_every_invariant) {
         node = residency.nodes().node_of(word.children(), random(static_cast<std::uint32_t>(n * n * n)));
       }
     }
-    std::vector<Job> jobs = residency.collect(pass, pass - std::min(pass, random(3)));
+    const std::vector<Lacking> lacking = residency.collect(pass, pass - std::min(pass, random(3)));
     residency.check_invariants();
-    std::map<std::array<std::uint64_t, 5>, int> seen;
-    for (const Job& job : jobs) {
-      const std::array<std::uint64_t, 5> id = {static_cast<std::uint64_t>(job.kind), job.key.level, job.key.x,
-                                               job.key.y, job.key.z};
-      ASSERT_EQ(++seen[id], 1) << "a job was listed twice";
-      ASSERT_EQ(producer->canonical(job.key), job.key);
+    std::unordered_set<ElementKey, produce::ElementKeyHash> seen;
+    for (const auto& [key, priority] : lacking) {
+      ASSERT_TRUE(seen.insert(key).second) << "an element was listed twice";
+      ASSERT_EQ(key.tree, kTree);
+      ASSERT_EQ(producer->canonical(key.node), key.node);
     }
+    ASSERT_TRUE(std::is_sorted(lacking.begin(), lacking.end(), more_urgent));
     const Eviction eviction = random(3) == 0 ? Eviction::any : Eviction::unused;
-    if (random(2) == 0) residency.limit_to_room(jobs, eviction);
-    std::vector<Produced> made = std::exchange(late, {});
-    for (const Job& job : jobs) (random(4) == 0 ? late : made).push_back(make(*producer, job));
-    const auto counts = residency.commit(std::move(made), eviction);
-    ASSERT_TRUE(counts.ok());
-    committed += counts.value().committed;
+    Room room = residency.room(eviction);
+    const bool limited = random(2) == 0;
+    std::vector<FinishedElement> made = std::exchange(late, {});
+    for (const auto& [key, priority] : lacking) {
+      if (limited && !room.take(key.kind)) continue;
+      (random(4) == 0 ? late : made).push_back(make(*producer, key));
+    }
+    if (random(9) == 0 && residency.room(Eviction::any).bricks > 2) residency.withhold_bricks(1);
+    if (random(9) == 0) residency.restore_bricks(residency.withheld_bricks());
+    const std::size_t offered = made.size();
+    residency.commit(std::move(made), eviction);
+    committed += offered;
     residency.check_invariants();
   }
   EXPECT_GT(committed, 0u);
@@ -148,13 +159,13 @@ TEST_P(RandomWalk, keeps_every_invariant) {
 
 TEST(Residency, sponge_needs_one_tile_and_one_brick_for_any_depth) {
   const produce::SpongeProducer sponge(8);
-  Residency residency(exec::Device::cpu(1), sponge, {3, 2});
+  Residency residency(exec::Device::cpu(1), sponge, kTree, {3, 2});
   ASSERT_TRUE(residency.plant_root().ok());
   residency.requests().request(tree::NodePool::root(), cache::kNeedsBrick | cache::kNeedsChildren, 1);
-  std::vector<Produced> made;
-  for (const Job& job : residency.collect(1, 1)) made.push_back(make(sponge, job));
+  std::vector<FinishedElement> made;
+  for (const auto& lacking : residency.collect(1, 1)) made.push_back(make(sponge, lacking.element));
   ASSERT_EQ(made.size(), 2u);
-  ASSERT_TRUE(residency.commit(std::move(made), Eviction::unused).ok());
+  residency.commit(std::move(made), Eviction::unused);
   NodeIndex node = tree::NodePool::root();
   for (int depth = 0; depth < 20; ++depth) {
     ASSERT_TRUE(residency.nodes().child(node).has_children()) << depth;
@@ -164,19 +175,18 @@ TEST(Residency, sponge_needs_one_tile_and_one_brick_for_any_depth) {
   EXPECT_EQ(residency.resident_bricks(), 1u);
 }
 
-TEST(Residency, an_error_of_a_producer_is_returned_and_the_rest_committed) {
+TEST(Residency, what_failed_is_passed_over_and_the_rest_committed) {
   const auto producer = ramp(2);
-  Residency residency(exec::Device::cpu(1), *producer, {20, 20});
+  Residency residency(exec::Device::cpu(1), *producer, kTree, {20, 20});
   ASSERT_TRUE(residency.plant_root().ok());
   residency.requests().request(tree::NodePool::root(), cache::kNeedsBrick | cache::kNeedsChildren, 1);
-  std::vector<Produced> made;
-  for (const Job& job : residency.collect(1, 1)) made.push_back(make(*producer, job));
+  std::vector<FinishedElement> made;
+  for (const auto& lacking : residency.collect(1, 1)) made.push_back(make(*producer, lacking.element));
   ASSERT_EQ(made.size(), 2u);
-  (made[0].job.kind == JobKind::brick ? made[0] : made[1]).status = Error{"brick is gone"};
-  const auto counts = residency.commit(std::move(made), Eviction::unused);
-  ASSERT_FALSE(counts.ok());
-  EXPECT_EQ(counts.error().message, "brick is gone");
+  (made[0].key.kind == ElementKind::brick ? made[0] : made[1]).element = Error{"brick is gone"};
+  residency.commit(std::move(made), Eviction::unused);
   EXPECT_TRUE(residency.nodes().child(tree::NodePool::root()).has_children());
+  EXPECT_EQ(residency.resident_bricks(), 0u);
 }
 
 TEST(PoolSizes, fit_the_memory_and_the_tree) {

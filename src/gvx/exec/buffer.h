@@ -68,6 +68,12 @@ class Buffer {
     }
   }
 
+  /// Gives elements' memory back to the system, as far as that is whole pages: they are zero again. Of memory
+  /// that a GPU works on nothing is given back.
+  void release(std::size_t first, std::size_t count) {
+    if (kind_ == DeviceKind::cpu) memory_.release(first * sizeof(T), count * sizeof(T));
+  }
+
   std::size_t size() const { return size_; }
   BufferView<T> view() { return {data_, size_}; }
   BufferView<const T> view() const { return {data_, size_}; }

@@ -31,6 +31,16 @@ HostMemory::HostMemory(std::size_t bytes) {
 #if defined(__linux__)
   // A wish: where it is not granted, all is as it was.
   if (large) madvise(data_, whole, MADV_HUGEPAGE);
+  by_pages_ = large;
+#endif
+}
+
+void HostMemory::release([[maybe_unused]] std::size_t first_byte, [[maybe_unused]] std::size_t bytes) {
+#if defined(__linux__)
+  if (!by_pages_) return;
+  const std::size_t first = (first_byte + kPage - 1) / kPage * kPage;
+  const std::size_t last = (first_byte + bytes) / kPage * kPage;
+  if (first < last) madvise(static_cast<char*>(data_) + first, last - first, MADV_DONTNEED);
 #endif
 }
 

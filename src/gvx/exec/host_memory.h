@@ -26,13 +26,21 @@ class HostMemory {
 
   void* data() const { return data_; }
 
+  /// The system's pages.
+  static constexpr std::size_t kPage = 4096;
+  /// Gives the whole pages within this part back to the system: they are zero again, and cost nothing until
+  /// they are written.
+  void release(std::size_t first_byte, std::size_t bytes);
+
  private:
   void swap(HostMemory& other) noexcept {
     std::swap(memory_, other.memory_);
     std::swap(data_, other.data_);
+    std::swap(by_pages_, other.by_pages_);
   }
 
   void *memory_ = nullptr, *data_ = nullptr;
+  bool by_pages_ = false;  // large enough to be pages of its own
 };
 
 }  // namespace gvx::exec

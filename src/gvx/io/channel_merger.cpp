@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "gvx/io/check_read.h"
 #include "gvx/io/header_text.h"
 
 namespace gvx::io {
@@ -33,7 +34,10 @@ ChannelMerger::ChannelMerger(std::vector<std::unique_ptr<SliceReader>> channels)
 
 Result<std::unique_ptr<ChannelMerger>> ChannelMerger::merge(
     std::vector<std::unique_ptr<SliceReader>> channels) {
-  GVX_CHECK(!channels.empty());
+  const auto missing = [](const auto& channel) { return channel == nullptr; };
+  if (channels.empty() || std::any_of(channels.begin(), channels.end(), missing)) {
+    return Error{"channels: expected a volume for each"};
+  }
   const VolumeDescription& first = channels.front()->description();
   if (channels.size() > 4) return file_error(first.path, "channels: expected at most 4 volumes");
   for (const auto& channel : channels) {
@@ -50,6 +54,7 @@ Result<std::unique_ptr<ChannelMerger>> ChannelMerger::merge(
 }
 
 Status ChannelMerger::read_slices(std::int64_t count, std::span<std::byte> out) {
+  GVX_TRY(check_read(*this, count, out));
   const std::size_t width = sample_bytes(description_.type), channels = channels_.size();
   slices_.resize(out.size() / channels);
   for (std::size_t c = 0; c < channels; ++c) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "gvx/io/check_read.h"
 #include "gvx/io/header_text.h"
 
 namespace gvx::io {
@@ -77,8 +78,7 @@ DicomReader::DicomReader(DicomVolume volume, VolumeDescription description)
 
 Status DicomReader::read_slices(std::int64_t count, std::span<std::byte> out) {
   const std::size_t slice_size = slice_bytes(description_);
-  GVX_CHECK(count >= 0 && count <= description_.dimensions.z - next_slice_ &&
-            out.size() == static_cast<std::size_t>(count) * slice_size);
+  GVX_TRY(check_read(*this, count, out));
   for (std::int64_t i = 0; i < count; ++i, ++next_slice_) {
     const auto slice = static_cast<std::size_t>(next_slice_);
     const DicomImage& image = volume_.image(slice);
@@ -232,8 +232,7 @@ void EvenDicomReader::hand_out(std::byte* out) const {
 
 Status EvenDicomReader::read_slices(std::int64_t count, std::span<std::byte> out) {
   const std::size_t slice_size = slice_bytes(description_);
-  GVX_CHECK(count >= 0 && count <= description_.dimensions.z - next_slice_ &&
-            out.size() == static_cast<std::size_t>(count) * slice_size);
+  GVX_TRY(check_read(*this, count, out));
   for (std::int64_t i = 0; i < count; ++i, ++next_slice_) {
     GVX_TRY(resample(next_slice_));
     hand_out(out.data() + static_cast<std::size_t>(i) * slice_size);

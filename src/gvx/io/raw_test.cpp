@@ -44,6 +44,35 @@ TEST(RawVolume, slices_come_in_any_grouping_and_again_after_rewind) {
   }
 }
 
+TEST(RawVolume, slices_that_are_not_left_and_memory_of_another_size_are_errors) {
+  const std::string path = temporary_path("v_4x3x2_u16.raw");
+  write_file(path, small_samples(SampleType::u16, false));
+  const auto reader = open_volume(path, {}).value();
+  std::vector<std::byte> memory(3 * slice_bytes(reader->description()));
+  const auto expect = [&](std::int64_t count, std::size_t bytes, const char* what) {
+    const Status status = reader->read_slices(count, std::span(memory).first(bytes));
+    ASSERT_FALSE(status.ok()) << what;
+    EXPECT_NE(status.error().message.find(what), std::string::npos) << status.error().message;
+  };
+  expect(3, 72, "3 slices, of which 2 are left");
+  expect(-1, 0, "-1 slices");
+  expect(1, 23, "memory of 23 bytes for 1 slices; expected 24");
+  EXPECT_EQ(reader->next_slice(), 0);
+  ASSERT_TRUE(reader->read_slices(2, std::span(memory).first(48)).ok());
+  expect(1, 24, "of which 0 are left; rewind()");
+}
+
+TEST(RawVolume, a_file_without_data_is_an_error) {
+  const std::string path = temporary_path("v_4x3x2_u16.raw");
+  write_file(path, small_samples(SampleType::u16, false));
+  VolumeFile none = describe_raw(path, {}).value();
+  none.data_paths.clear();
+  EXPECT_NE(VolumeReader::open(none).error().message.find("no data file"), std::string::npos);
+  VolumeFile before = describe_raw(path, {}).value();
+  before.start.file_offset = -1;
+  EXPECT_NE(VolumeReader::open(before).error().message.find("begin before"), std::string::npos);
+}
+
 TEST(RawVolume, options_win_over_the_name) {
   const std::string path = temporary_path("v_9x9x9_f64_be.dat");
   write_file(path, "skip" + small_samples(SampleType::i16, false));

@@ -17,6 +17,7 @@
 #include "gvx/io/sample_conversion.h"
 #include "gvx/store/notes.h"
 #include "gvx/store/pyramid.h"
+#include "gvx/store/shape_check.h"
 #include "gvx/store/store_writer.h"
 
 namespace gvx::io {
@@ -301,6 +302,11 @@ std::vector<std::string> StoreBuildReport::warnings(const std::string& path, Sam
 Result<StoreBuildReport> build_store(const exec::Device& cpu, SliceReader& reader, const std::string& path,
                                      const StoreBuildOptions& options, const BuildProgress& progress) {
   const VolumeDescription& d = reader.description();
+  if (cpu.kind() != exec::DeviceKind::cpu)
+    return Error{"build_store: runs on the CPU only; expected Device::cpu()"};
+  GVX_TRY(store::check_tree(options.n, options.m));
+  if (reader.next_slice() != 0)
+    return file_error(d.path, "build_store: expected a reader at slice 0; rewind() it");
   if (options.labels && (d.scale != 1 || d.offset != 0)) {
     PhysicalValueReader physical(reader);
     return build_store(cpu, physical, path, options, progress);

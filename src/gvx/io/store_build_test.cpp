@@ -334,5 +334,17 @@ TEST(StoreBuild, an_input_that_ends_early_leaves_the_old_store) {
   EXPECT_FALSE(std::filesystem::exists(output + ".partial"));
 }
 
+TEST(StoreBuild, what_a_caller_gets_wrong_is_an_error) {
+  const std::string path = write_raw<std::uint8_t>("u8", [](int i) { return i % 200; });
+  EXPECT_NE(build(path, {.n = 1}).error().message.find("expected 2 or 3"), std::string::npos);
+  EXPECT_NE(build(path, {.m = 12}).error().message.find("expected 8, 16 or 32"), std::string::npos);
+  const auto volume = open_volume(path, {}).value();
+  std::vector<std::byte> slice(slice_bytes(volume->description()));
+  ASSERT_TRUE(volume->read_slices(1, slice).ok());
+  const auto late = build_store(exec::Device::cpu(), *volume, temporary("late.gvx"), {}, {});
+  ASSERT_FALSE(late.ok());
+  EXPECT_NE(late.error().message.find("rewind() it"), std::string::npos) << late.error().message;
+}
+
 }  // namespace
 }  // namespace gvx::io

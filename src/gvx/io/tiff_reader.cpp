@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "gvx/io/check_read.h"
+
 namespace gvx::io {
 namespace {
 
@@ -29,9 +31,8 @@ Result<TiffFile*> TiffReader::open_file(std::uint32_t file) {
 }
 
 Status TiffReader::read_slices(std::int64_t count, std::span<std::byte> out) {
+  GVX_TRY(check_read(*this, count, out));
   const std::size_t bytes = slice_bytes(description());
-  GVX_CHECK(count >= 0 && count <= description().dimensions.z - next_slice_);
-  GVX_CHECK(out.size() == static_cast<std::size_t>(count) * bytes);
   for (std::int64_t i = 0; i < count; ++i) {
     GVX_TRY(read_slice(next_slice_, out.subspan(static_cast<std::size_t>(i) * bytes, bytes)));
     ++next_slice_;

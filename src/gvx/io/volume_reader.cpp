@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "gvx/io/channel_merger.h"
+#include "gvx/io/check_read.h"
 #include "gvx/io/dicom.h"
 #include "gvx/io/header_text.h"
 #include "gvx/io/metaimage.h"
@@ -181,7 +182,10 @@ Result<std::unique_ptr<SliceReader>> open_planes(const VolumeFile& file) {
 
 Result<std::unique_ptr<VolumeReader>> VolumeReader::open(VolumeFile file) {
   GVX_TRY(check_description(file.description));
-  GVX_CHECK(!file.data_paths.empty());
+  if (file.data_paths.empty()) return file_error(file.description.path, "no data file is named");
+  if (file.start.file_offset < 0 || file.start.line_skip < 0) {
+    return file_error(file.description.path, "the data begin before their file");
+  }
   std::unique_ptr<VolumeReader> reader(new VolumeReader(std::move(file)));
   GVX_TRY(reader->open_data_file(0));
   GVX_TRY(reader->check_other_files());
@@ -285,8 +289,7 @@ Status VolumeReader::read_samples(std::span<std::byte> out) {
 }
 
 Status VolumeReader::read_slices(std::int64_t count, std::span<std::byte> out) {
-  GVX_CHECK(count >= 0 && count <= description().dimensions.z - next_slice_);
-  GVX_CHECK(out.size() == static_cast<std::uint64_t>(count) * slice_bytes(description()));
+  GVX_TRY(check_read(*this, count, out));
   GVX_TRY(read_samples(out));
   next_slice_ += count;
   const bool stored_big_endian =

@@ -34,7 +34,7 @@ class SliceReader {
   virtual const VolumeDescription& description() const = 0;
 
   /// Reads the next `count` slices into `out`, x fastest, in native byte order. `out` has count*slice_bytes
-  /// bytes. There must be that many slices left. An error if the data end early or are damaged. After an
+  /// bytes. An error if that many slices are not left, or if the data end early or are damaged. After an
   /// error, call rewind() before reading on.
   virtual Status read_slices(std::int64_t count, std::span<std::byte> out) = 0;
 

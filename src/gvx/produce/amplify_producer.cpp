@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "gvx/produce/check_arguments.h"
 #include "gvx/produce/stored_value.h"
 
 namespace gvx::produce {
@@ -43,11 +44,16 @@ AddedNoise amplification(const TreeDescription& volume, const AmplifyOptions& op
 
 Result<std::shared_ptr<const AmplifyProducer>> AmplifyProducer::create(std::shared_ptr<const Producer> volume,
                                                                        const AmplifyOptions& options) {
+  GVX_TRY(check_base(volume, "amplify"));
   const TreeDescription& tree = volume->description();
+  if (!(options.wavelength > 0) || !(options.gain >= 0) || !std::isfinite(options.strength)) {
+    return Error{"amplify: expected a wavelength above 0, a gain of 0 or more, and a finite strength"};
+  }
   if (tree.format.content != VoxelContent::scalar) {
     return Error{std::string("amplify: expected scalars, found ") + content_name(tree.format.content)};
   }
-  if (nodes_across(static_cast<int>(tree.n), tree.max_level + options.levels) > 0x1p31) {
+  constexpr std::uint32_t kMost = 32;
+  if (nodes_across(static_cast<int>(tree.n), tree.max_level + std::min(options.levels, kMost)) > 0x1p31) {
     return Error{"amplify: more levels than a tree can have"};
   }
   return std::shared_ptr<const AmplifyProducer>(new AmplifyProducer(std::move(volume), options));
@@ -70,14 +76,6 @@ NodeKey AmplifyProducer::in_volume(const NodeKey& key) const {
   NodeKey above = key;
   while (above.level > finest_) above = parent(above, static_cast<int>(description_.n));
   return volume_->canonical(above);
-}
-
-NodeKey AmplifyProducer::canonical(const NodeKey& key) const {
-  // Noise is another everywhere, but nothing has none.
-  const NodeKey one = in_volume(key);
-  tree::NodeInfo info;
-  const bool known = volume_->describe(std::span(&one, 1), std::span(&info, 1)).ok();
-  return known && info.ranges.constant() ? one : key;
 }
 
 Status AmplifyProducer::describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const {
@@ -106,6 +104,7 @@ Status AmplifyProducer::describe(std::span<const NodeKey> keys, std::span<tree::
 }
 
 Status AmplifyProducer::produce(const NodeKey& key, std::span<std::byte> voxels) const {
+  GVX_TRY(check_brick(description_, voxels));
   const NodeKey above = in_volume(key);
   if (key.level <= finest_) return volume_->produce(above, voxels);
   // Not the thread's: the volume may be amplified itself.

@@ -22,7 +22,8 @@ struct AmplifyOptions {
 AddedNoise amplification(const TreeDescription& volume, const AmplifyOptions& options);
 
 /// Values are mixed between the volume's voxels, and noise is added, most of it in the middle of the values'
-/// range and none at its ends: what is empty or full stays so.
+/// range and none at its ends: what is empty or full stays so. No two nodes are the same, not even those that
+/// the volume shares, as the noise of each is another.
 class AmplifyProducer final : public Producer {
  public:
   /// An error where the voxels are no scalars or there would be more nodes than a key can name.
@@ -30,7 +31,6 @@ class AmplifyProducer final : public Producer {
                                                                const AmplifyOptions& options);
 
   const TreeDescription& description() const override { return description_; }
-  NodeKey canonical(const NodeKey& key) const override;
   Status describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const override;
   Status produce(const NodeKey& key, std::span<std::byte> voxels) const override;
   std::uint64_t bytes_read() const override { return volume_->bytes_read(); }

@@ -4,21 +4,25 @@
 /// (core/added_noise.h).
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
 
+#include "gvx/produce/check_arguments.h"
 #include "gvx/produce/producer.h"
 
 namespace gvx::produce {
 
 class DeeperProducer final : public Producer {
  public:
-  /// An error where that is more levels than a tree may have.
+  /// An error where that is more levels than a tree may have, or the tree is null.
   static Result<std::shared_ptr<const DeeperProducer>> create(std::shared_ptr<const Producer> tree,
                                                               std::uint32_t levels) {
+    GVX_TRY(check_base(tree, "deeper"));
     const std::uint32_t have = tree->description().max_level + 1;
-    if (have + levels > std::uint32_t{kMaxLevels}) {
+    if (levels > std::uint32_t{kMaxLevels} - std::min(have, std::uint32_t{kMaxLevels})) {
       return Error{std::to_string(have) + " levels and " + std::to_string(levels) +
                    " more: a tree has at most " + std::to_string(kMaxLevels)};
     }
@@ -35,6 +39,10 @@ class DeeperProducer final : public Producer {
   }
   Status produce_batch(const BrickBatch& batch) const override { return tree_->produce_batch(batch); }
   Batching batching() const override { return tree_->batching(); }
+  void start(const ElementBatch& batch, std::shared_ptr<ElementSink> sink) const override {
+    tree_->start(batch, std::move(sink));
+  }
+  std::size_t most_under_way() const override { return tree_->most_under_way(); }
   std::uint64_t bytes_read() const override { return tree_->bytes_read(); }
   ProductionTimes times() const override { return tree_->times(); }
 

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "gvx/produce/check_arguments.h"
 #include "gvx/produce/stored_value.h"
 
 namespace gvx::produce {
@@ -18,15 +19,19 @@ TreeDescription as_floats(TreeDescription description) {
 
 FieldProducer::FieldProducer(TreeDescription description, std::shared_ptr<const Field> field)
     : description_(std::move(description)), field_(std::move(field)) {
-  GVX_CHECK(description_.format.content == VoxelContent::scalar && description_.format.planes == 1 &&
-            description_.scale > 0);
-  description_.ranges = stored_bounds(NodeKey{});
+  if (check().ok()) description_.ranges = stored_bounds(NodeKey{});
 }
 
 FieldProducer::FieldProducer(TreeDescription description, FunctionField::Values values,
                              FunctionField::Bounds bounds)
     : FieldProducer(as_floats(std::move(description)),
-                    std::make_shared<FunctionField>(std::move(values), std::move(bounds))) {}
+                    values && bounds ? std::make_shared<FunctionField>(std::move(values), std::move(bounds))
+                                     : nullptr) {}
+
+Status FieldProducer::check() const {
+  if (field_ == nullptr) return Error{"field: there is none; expected a field, or two functions"};
+  return check_scalar_tree(description_);
+}
 
 ValueRange FieldProducer::stored_bounds(const NodeKey& key) const {
   const NodeBounds node(key, description_.n, description_.m);
@@ -34,6 +39,7 @@ ValueRange FieldProducer::stored_bounds(const NodeKey& key) const {
 }
 
 Status FieldProducer::describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const {
+  GVX_TRY(check());
   for (std::size_t i = 0; i < keys.size(); ++i) {
     infos[i] = {stored_bounds(keys[i]), keys[i].level == description_.max_level};
   }
@@ -41,6 +47,8 @@ Status FieldProducer::describe(std::span<const NodeKey> keys, std::span<tree::No
 }
 
 Status FieldProducer::produce(const NodeKey& key, std::span<std::byte> voxels) const {
+  GVX_TRY(check());
+  GVX_TRY(check_brick(description_, voxels));
   const VoxelBlock block = block_of(key, description_.n, description_.m);
   thread_local std::vector<float> values;
   values.resize(block.voxels());

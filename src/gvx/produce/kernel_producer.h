@@ -11,6 +11,7 @@
 
 #include "gvx/exec/for_each.h"
 #include "gvx/exec/relaxed.h"
+#include "gvx/produce/check_arguments.h"
 #include "gvx/produce/producer.h"
 #include "gvx/produce/stored_value.h"
 
@@ -74,20 +75,20 @@ struct BoundNodes {
 template <typename Kernel>
 class KernelProducer final : public Producer {
  public:
-  /// `description` is that of FieldProducer. `owner` keeps the memory alive to which the kernel's views
-  /// point.
+  /// `description` is that of FieldProducer, and what it refuses is. `owner` keeps the memory alive to which
+  /// the kernel's views point.
   KernelProducer(const exec::Device& device, TreeDescription description, const Kernel& kernel,
                  std::shared_ptr<const void> owner)
       : device_(device), description_(std::move(description)), kernel_(kernel), owner_(std::move(owner)) {
     const NodeKey root;
     tree::NodeInfo info;
-    GVX_CHECK(describe(std::span(&root, 1), std::span(&info, 1)).ok());
-    description_.ranges = info.ranges;
+    if (describe(std::span(&root, 1), std::span(&info, 1)).ok()) description_.ranges = info.ranges;
   }
 
   const TreeDescription& description() const override { return description_; }
 
   Status describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const override {
+    GVX_TRY(check_scalar_tree(description_));
     exec::Buffer<NodeKey> nodes(device_, keys.size());
     exec::Buffer<ValueRange> ranges(device_, keys.size());
     nodes.write(0, keys);
@@ -101,6 +102,7 @@ class KernelProducer final : public Producer {
   }
 
   Status produce(const NodeKey& key, std::span<std::byte> voxels) const override {
+    GVX_TRY(check_brick(description_, voxels));
     exec::Buffer<std::byte> brick(device_, description_.brick_bytes());
     std::optional<ChannelRanges> constant;
     GVX_TRY(produce_batch({std::span(&key, 1), {brick.view().data, brick.size()}, std::span(&constant, 1)}));
@@ -113,6 +115,7 @@ class KernelProducer final : public Producer {
   Batching batching() const override { return {64, device_}; }
 
   Status produce_batch(const BrickBatch& batch) const override {
+    GVX_TRY(check_scalar_tree(description_));
     const std::size_t bricks = batch.keys.size(), bytes = description_.brick_bytes();
     const std::size_t texels = plane_texels(description_.m);
     exec::Buffer<VoxelBlock> blocks(device_, bricks);

@@ -1,11 +1,14 @@
 #include <cstdlib>
 #include <cstring>
+#include <memory>
+#include <optional>
+#include <utility>
 
 #include <gtest/gtest.h>
 
+#include "gvx/produce/examine_element.h"
 #include "gvx/produce/field_kernels.h"
 #include "gvx/produce/field_producer.h"
-#include "gvx/produce/production_queue.h"
 
 namespace gvx::produce {
 namespace {
@@ -73,6 +76,16 @@ TEST(KernelProducer, makes_the_bricks_and_bounds_that_the_field_makes) {
   }
 }
 
+/// Keeps what a batch comes to.
+struct ListSink final : ElementSink {
+  explicit ListSink(std::size_t elements) : made(elements) {}
+  void complete(std::size_t element, Result<Element> result) override { made[element] = std::move(result); }
+  bool cancelled(std::size_t) override { return false; }
+  void drop(std::size_t) override {}
+
+  std::vector<std::optional<Result<Element>>> made;
+};
+
 TEST(KernelProducer, makes_of_a_batch_what_it_makes_one_by_one) {
   for (const VoxelType type : {VoxelType::u8, VoxelType::u16, VoxelType::f32}) {
     TreeDescription tree = bytes_tree();
@@ -80,34 +93,35 @@ TEST(KernelProducer, makes_of_a_batch_what_it_makes_one_by_one) {
     tree.scale = type == VoxelType::f32 ? 1 : type == VoxelType::u16 ? 1.0 / 65535 : 1.0 / 255;
     for (const exec::Device& device : exec::Device::all()) {
       const auto producer = make_terrain_producer(device, tree, {});
-      std::vector<Job> jobs;
-      for (std::uint64_t i = 0; i < 40; ++i) {
-        jobs.push_back({some_node(i % 2 == 0 ? 3 : 5, i), JobKind::brick});
-        jobs.push_back({some_node(static_cast<std::uint32_t>(i % 5), i), JobKind::children});
-      }
-      const std::vector<Produced> made = make(*producer, jobs);
-      ASSERT_EQ(made.size(), jobs.size());
+      std::vector<NodeKey> nodes;
+      for (std::uint64_t i = 0; i < 40; ++i) nodes.push_back(some_node(i % 2 == 0 ? 3 : 5, i));
       int constant = 0, mixed = 0;
-      for (std::size_t i = 0; i < made.size(); ++i) {
-        ASSERT_TRUE(made[i].status.ok());
-        ASSERT_EQ(made[i].job, jobs[i]);
-        const Produced alone = make(*producer, jobs[i]);
-        EXPECT_EQ(made[i].constant, alone.constant);
-        EXPECT_EQ(made[i].child_keys, alone.child_keys);
-        ASSERT_EQ(made[i].children.size(), alone.children.size());
-        for (std::size_t c = 0; c < alone.children.size(); ++c) {
-          EXPECT_EQ(made[i].children[c].ranges, alone.children[c].ranges);
-          EXPECT_EQ(made[i].children[c].terminal, alone.children[c].terminal);
+      for (const ElementKind kind : {ElementKind::brick, ElementKind::children}) {
+        const auto sink = std::make_shared<ListSink>(nodes.size());
+        producer->start({kind, nodes}, sink);
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+          ASSERT_TRUE(sink->made[i] && sink->made[i]->ok());
+          Element& made = sink->made[i]->value();
+          const bool here = makes_host_memory(*producer);
+          if (kind == ElementKind::brick) examine_element(tree, nodes[i], here, made);
+          const Element alone = make_element(*producer, nodes[i], kind).value();
+          EXPECT_EQ(made.constant, alone.constant);
+          EXPECT_EQ(made.child_keys, alone.child_keys);
+          ASSERT_EQ(made.children.size(), alone.children.size());
+          for (std::size_t c = 0; c < alone.children.size(); ++c) {
+            EXPECT_EQ(made.children[c].ranges, alone.children[c].ranges);
+            EXPECT_EQ(made.children[c].terminal, alone.children[c].terminal);
+          }
+          if (kind == ElementKind::children) continue;
+          std::vector<std::byte> on_host(tree.brick_bytes());
+          ASSERT_TRUE(producer->produce(nodes[i], on_host).ok());
+          ASSERT_EQ(made.voxels.size(), on_host.size());
+          EXPECT_EQ(std::memcmp(made.voxels.data(), on_host.data(), on_host.size()), 0);
+          const std::size_t element = voxel_bytes(type), plane = plane_texels(tree.m) * element;
+          const bool one_value = std::memcmp(&on_host[0], &on_host[element], plane - element) == 0;
+          EXPECT_EQ(made.constant.has_value(), one_value && nodes[i].level == tree.max_level);
+          (one_value ? constant : mixed) += 1;
         }
-        if (jobs[i].kind == JobKind::children) continue;
-        std::vector<std::byte> on_host(tree.brick_bytes());
-        ASSERT_TRUE(producer->produce(jobs[i].key, on_host).ok());
-        ASSERT_EQ(made[i].voxels.size(), on_host.size());
-        EXPECT_EQ(std::memcmp(made[i].voxels.data(), on_host.data(), on_host.size()), 0);
-        const std::size_t element = voxel_bytes(type), plane = plane_texels(tree.m) * element;
-        const bool one_value = std::memcmp(&on_host[0], &on_host[element], plane - element) == 0;
-        EXPECT_EQ(made[i].constant.has_value(), one_value && jobs[i].key.level == tree.max_level);
-        (one_value ? constant : mixed) += 1;
       }
       EXPECT_GT(constant, 5);
       EXPECT_GT(mixed, 5);

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "gvx/core/up_axis.h"
 #include "gvx/core/voxel.h"
 #include "gvx/exec/device.h"
+#include "gvx/produce/element_sink.h"
 #include "gvx/tree/node_pool.h"
 #include "gvx/tree/tree_description.h"
 
@@ -54,7 +56,7 @@ class Producer {
 
   /// For trees with parts that repeat: of all nodes with the same content and sub-tree, the one that stands
   /// for them. canonical(canonical(key)) must equal canonical(key). Only canonical nodes are described and
-  /// produced.
+  /// produced. It reads nothing, as renderers call it between frames.
   virtual NodeKey canonical(const NodeKey& key) const { return key; }
 
   /// The oracle: bounds the values of each node, of all nodes below it, and of a rim of n voxels around it.
@@ -77,10 +79,20 @@ class Producer {
   /// How many bricks produce_batch() gets at most, and in which device's memory.
   virtual Batching batching() const { return {}; }
 
+  /// Starts to make elements; at most batching().most of them. Every element is handed over to the sink,
+  /// now or later, from any thread. `batch` is valid during the call only. Later, the producer may be gone
+  /// before its sinks are. By default, all are made before the call returns.
+  virtual void start(const ElementBatch& batch, std::shared_ptr<ElementSink> sink) const;
+  /// How many batches may be under way at once; 0: as many as threads make elements.
+  virtual std::size_t most_under_way() const { return 0; }
+
   /// Bytes read from files or servers so far.
   virtual std::uint64_t bytes_read() const { return 0; }
   /// Times since the producer was opened.
   virtual ProductionTimes times() const { return {}; }
 };
+
+/// Are the voxels that it makes in the host's memory?
+bool makes_host_memory(const Producer& producer);
 
 }  // namespace gvx::produce

@@ -8,13 +8,11 @@
 
 #include "gvx/brick/brick_layout.h"
 #include "gvx/produce/amplify_producer.h"
-#include "gvx/produce/field_producer.h"
 #include "gvx/produce/hypertexture.h"
+#include "gvx/produce/producer_test_support.h"
 #include "gvx/produce/repeat_producer.h"
 #include "gvx/produce/sponge_producer.h"
-#include "gvx/produce/store_producer.h"
 #include "gvx/produce/terrain.h"
-#include "gvx/store/store_test_support.h"
 
 namespace gvx::produce {
 namespace {
@@ -24,101 +22,8 @@ int texel(const std::vector<std::byte>& brick, int x, int y, int z) {
   return static_cast<int>(brick[static_cast<std::size_t>(brick::BrickLayout<8>::offset(x, y, z))]);
 }
 
-std::shared_ptr<const Producer> make_store_producer() {
-  const store::TestVolume<std::uint8_t> volume({50, 40, 30}, [](auto x, auto y, auto z) {
-    return x > 30 ? 9 : 100 + 50 * std::sin(double(x) * 0.4) + double(y % 7) + double(z);
-  });
-  const std::string path = testing::TempDir() + "gvx_producer.gvx";
-  GVX_CHECK(store::write_store(volume, path, 2, 8, store::Codec::zstd, 2, 2).ok());
-  return std::make_shared<StoreProducer>(store::StoreReader::open(path).value());
-}
-
-std::shared_ptr<const Producer> make_field_producer() {
-  TreeDescription tree;
-  tree.n = 3;
-  tree.m = 8;
-  tree.max_level = 3;
-  return std::make_shared<FieldProducer>(
-      tree, [](Vec3d p) { return static_cast<float>(p.x + 2 * p.y - p.z); },
-      [](const Box3d& b) {
-        return ValueRange{
-            std::nextafter(static_cast<float>(b.minimum.x + 2 * b.minimum.y - b.maximum.z), -INFINITY),
-            std::nextafter(static_cast<float>(b.maximum.x + 2 * b.maximum.y - b.minimum.z), INFINITY)};
-      });
-}
-
-/// A density of 8 bits, 0 to 1.
-std::shared_ptr<const Producer> make_density(std::shared_ptr<const Field> field, std::uint32_t m) {
-  TreeDescription tree;
-  tree.m = m;
-  tree.max_level = 6;
-  tree.scale = 1.0 / 255;
-  return std::make_shared<FieldProducer>(tree, std::move(field));
-}
-
-std::shared_ptr<const Producer> make_hypertexture(HypertextureKind kind) {
-  HypertextureOptions options;
-  options.kind = kind;
-  return make_density(
-      std::make_shared<HypertextureField>(std::make_shared<BallsField>(cumulus_balls(3)), options), 16);
-}
-
-std::shared_ptr<const Producer> make_sparse_hypertexture() {
-  const HypertextureOptions options;
-  auto sparse =
-      std::make_shared<SparseField>(std::make_shared<BallsField>(cumulus_balls(3)), options.thickness);
-  return make_density(std::make_shared<HypertextureField>(std::move(sparse), options), 16);
-}
-
-std::shared_ptr<const Producer> repeated(std::shared_ptr<const Producer> volume, std::uint32_t levels) {
-  return RepeatProducer::create(std::move(volume), levels).value();
-}
-
-std::shared_ptr<const Producer> amplified(std::shared_ptr<const Producer> volume) {
-  return AmplifyProducer::create(std::move(volume), {}).value();
-}
-
-struct Case {
-  const char* name;
-  std::shared_ptr<const Producer> (*make)();
-};
-class EveryProducer : public testing::TestWithParam<Case> {};
-INSTANTIATE_TEST_SUITE_P(
-    , EveryProducer,
-    testing::Values(
-        Case{"store", make_store_producer}, Case{"field", make_field_producer},
-        Case{"terrain", [] { return make_density(std::make_shared<TerrainField>(TerrainOptions{}), 8); }},
-        Case{"hypertexture", [] { return make_hypertexture(HypertextureKind::hypertexture); }},
-        Case{"sparse_hypertexture", make_sparse_hypertexture},
-        Case{"pseudo_mesh", [] { return make_hypertexture(HypertextureKind::pseudo_mesh); }},
-        Case{"ramp", [] { return make_hypertexture(HypertextureKind::ramp); }},
-        Case{"blurred", [] { return make_hypertexture(HypertextureKind::blurred); }},
-        Case{"solid_noise", [] { return make_hypertexture(HypertextureKind::solid_noise); }},
-        Case{"repeated", [] { return repeated(make_store_producer(), 3); }},
-        Case{"repeated_often", [] { return repeated(make_store_producer(), 6); }},
-        Case{"amplified", [] { return amplified(make_store_producer()); }},
-        Case{"amplified_floats", [] { return amplified(make_field_producer()); }},
-        Case{"amplified_and_repeated", [] { return repeated(amplified(make_store_producer()), 2); }},
-        Case{"sponge", [] { return std::shared_ptr<const Producer>(new SpongeProducer(8)); }}),
-    [](const auto& tested) { return tested.param.name; });
-
-/// Walks down from the root to random nodes that hold part of the volume.
-std::vector<NodeKey> random_nodes(const TreeDescription& tree, int count) {
-  std::mt19937 random(4);
-  std::vector<NodeKey> keys;
-  for (int i = 0; i < count; ++i) {
-    const std::uint32_t level = static_cast<std::uint32_t>(random()) % (std::min(tree.max_level, 6u) + 1);
-    const double across = nodes_across(static_cast<int>(tree.n), level);
-    NodeKey key{level, 0, 0, 0};
-    std::uint64_t* place[] = {&key.x, &key.y, &key.z};
-    for (int axis = 0; axis < 3; ++axis) {
-      std::uniform_real_distribution<double> inside(tree.extent.minimum[axis], tree.extent.maximum[axis]);
-      *place[axis] = static_cast<std::uint32_t>(std::min(inside(random) * across, across - 1));
-    }
-    keys.push_back(key);
-  }
-  return keys;
-}
+class EveryProducer : public testing::TestWithParam<ProducerCase> {};
+INSTANTIATE_TEST_SUITE_P(, EveryProducer, testing::ValuesIn(every_producer()), name_of_case);
 
 TEST_P(EveryProducer, canonical_is_a_fixed_point_with_the_same_description) {
   const auto producer = GetParam().make();

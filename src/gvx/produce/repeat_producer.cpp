@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <vector>
 
+#include "gvx/produce/check_arguments.h"
 #include "gvx/store/downsample.h"
 
 namespace gvx::produce {
 
 Result<std::shared_ptr<const RepeatProducer>> RepeatProducer::create(std::shared_ptr<const Producer> volume,
                                                                      std::uint32_t levels) {
+  GVX_TRY(check_base(volume, "repeat"));
   const TreeDescription& tree = volume->description();
   constexpr std::uint32_t kFinest = kMaxLevels - 1;
   if (tree.n != 2)
@@ -59,6 +61,7 @@ Status RepeatProducer::describe(std::span<const NodeKey> keys, std::span<tree::N
 }
 
 Status RepeatProducer::produce(const NodeKey& key, std::span<std::byte> voxels) const {
+  GVX_TRY(check_brick(description_, voxels));
   if (key.level >= levels_) return volume_->produce(in_volume(key), voxels);
   std::vector<std::byte> root(description_.brick_bytes());
   GVX_TRY(volume_->produce(NodeKey{}, root));

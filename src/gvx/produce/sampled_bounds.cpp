@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "gvx/core/noise.h"
-#include "gvx/core/result.h"
 
 namespace gvx::produce {
 namespace {
@@ -29,10 +29,21 @@ double place_in(std::uint32_t i, std::uint32_t x, std::uint32_t y, std::uint32_t
 
 }  // namespace
 
+Result<SampledBounds> SampledBounds::create(FunctionField::Values values,
+                                            const SampledBoundsOptions& options) {
+  if (!values) return Error{"sampled bounds: the function is empty; expected one to sample"};
+  if (!(options.feature > 0) || !(options.margin >= 0)) {
+    return Error{"sampled bounds: expected a feature above 0 and a margin of 0 or more"};
+  }
+  if (options.samples < 2 || options.samples > kMostSamples) {
+    return Error{"sampled bounds: " + std::to_string(options.samples) + " samples; expected 2 to " +
+                 std::to_string(kMostSamples)};
+  }
+  return SampledBounds(std::move(values), options);
+}
+
 SampledBounds::SampledBounds(FunctionField::Values values, const SampledBoundsOptions& options)
     : values_(std::move(values)), options_(options) {
-  GVX_CHECK(options_.feature > 0 && options_.samples >= 2 && options_.samples <= kMostSamples &&
-            options_.margin >= 0);
   if (options_.all) {
     all_ = *options_.all;
   } else {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "gvx/core/ray.h"
+#include "gvx/core/result.h"
 #include "gvx/core/voxel.h"
 #include "gvx/produce/field.h"
 
@@ -34,7 +35,8 @@ struct SampledBoundsOptions {
 /// need more than 32 samples along an axis have the bounds of all values.
 class SampledBounds {
  public:
-  SampledBounds(FunctionField::Values values, const SampledBoundsOptions& options);
+  /// An error if there is no function, or an option is out of its range.
+  static Result<SampledBounds> create(FunctionField::Values values, const SampledBoundsOptions& options);
 
   /// The bounds in a box in tree space. Thread-safe if the function is.
   ValueRange operator()(const Box3d& box) const;
@@ -43,6 +45,7 @@ class SampledBounds {
   ValueRange all() const { return all_; }
 
  private:
+  SampledBounds(FunctionField::Values values, const SampledBoundsOptions& options);
   ValueRange sample(const Box3d& box, std::uint32_t cells, ValueRange within) const;
 
   FunctionField::Values values_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "gvx/produce/check_arguments.h"
+
 namespace gvx::produce {
 namespace {
 
@@ -55,7 +57,8 @@ Status SpongeProducer::describe(std::span<const NodeKey> keys, std::span<tree::N
 }
 
 Status SpongeProducer::produce(const NodeKey& key, std::span<std::byte> voxels) const {
-  GVX_CHECK(same_as(key) != kHole);
+  GVX_TRY(check_brick(description_, voxels));
+  if (same_as(key) == kHole) return Error{"sponge: the node is a hole, which has no brick"};
   const int m = static_cast<int>(description_.m);
   // What is beyond the brick depends on which of its places it stands in. It is taken as empty, so that faces
   // have a gradient; where the neighbour is solid too, coverage falls to a half on the shared face, which is

@@ -8,6 +8,7 @@
 namespace gvx::produce {
 
 StoreProducer::StoreProducer(std::unique_ptr<store::StoreReader> reader) : reader_(std::move(reader)) {
+  if (reader_ == nullptr) return;
   const store::VolumeInfo& info = reader_->info();
   const double cube = info.shape.cube_voxels();
   static_cast<VolumeDescription&>(description_) = info;
@@ -27,6 +28,7 @@ StoreProducer::StoreProducer(std::unique_ptr<store::StoreReader> reader) : reade
 }
 
 Status StoreProducer::describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const {
+  if (reader_ == nullptr) return Error{"store: the reader is null; expected an open store"};
   const store::VolumeInfo& info = reader_->info();
   for (std::size_t i = 0; i < keys.size(); ++i) {
     if (!info.shape.contains(keys[i])) {
@@ -50,6 +52,7 @@ Status StoreProducer::describe(std::span<const NodeKey> keys, std::span<tree::No
 }
 
 Status StoreProducer::produce(const NodeKey& key, std::span<std::byte> voxels) const {
+  if (reader_ == nullptr) return Error{"store: the reader is null; expected an open store"};
   GVX_ASSIGN(const store::NodeRecord record, reader_->node(key));
   return reader_->read_brick(key, record, voxels);
 }

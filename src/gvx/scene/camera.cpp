@@ -75,6 +75,8 @@ bool points_along_view(const Camera& camera) {
 Result<CameraView> make_view(const Camera& camera, std::uint32_t width, std::uint32_t height) {
   const Vec3d look = camera.target - camera.eye;
   const Vec3d side = cross(look, camera.up);
+  if (width < 1 || height < 1)
+    return Error{"camera: a picture without pixels; expected a width and a height above 0"};
   if (!(length(look) > 0)) return bad_camera("eye and target are the same point");
   if (points_along_view(camera)) return bad_camera("up points along the view");
   if (!camera.orthographic() && !sound_angle(camera.fov_degrees)) return bad_angle();

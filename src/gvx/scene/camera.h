@@ -57,7 +57,7 @@ struct CameraView {
   }
 };
 
-/// An error if eye, target and up do not define a view, or an angle is out of range.
+/// An error if eye, target and up define no view, an angle is out of range, or there are no pixels.
 Result<CameraView> make_view(const Camera& camera, std::uint32_t width, std::uint32_t height);
 
 /// The text that parse_camera() reads: "eye=x,y,z;target=x,y,z;up=x,y,z;fov=degrees", to full precision. An

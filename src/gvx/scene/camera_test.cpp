@@ -53,6 +53,12 @@ TEST(Camera, centre_ray_meets_the_target_and_pixels_are_as_wide_as_said) {
   EXPECT_GT(dot(view.pixel_ray(63, 24).direction, view.right), 0);
 }
 
+TEST(Camera, a_picture_without_pixels_is_an_error) {
+  EXPECT_FALSE(make_view(Camera{}, 0, 10).ok());
+  EXPECT_FALSE(make_view(Camera{}, 10, 0).ok());
+  EXPECT_TRUE(make_view(Camera{}, 1, 1).ok());
+}
+
 TEST(Camera, frame_box_shows_every_corner) {
   const Affine3 to_world{{{2, 0, 0}, {0, 3, 0.5}, {0, 0, 1}}, {10, 20, 30}};
   const Box3d box{{0, 0, 0}, {1, 0.5, 0.25}};

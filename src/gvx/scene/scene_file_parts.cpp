@@ -151,7 +151,8 @@ LightingParts::LightingParts(const Lighting& lighting)
       diffuse(widened(lighting.diffuse)),
       specular(widened(lighting.specular)),
       shininess(widened(lighting.shininess)),
-      lights(std::in_place, lighting.light, lighting.light + lighting.lights) {}
+      lights(std::in_place, lighting.light,
+             lighting.light + std::clamp(lighting.lights, 0, Lighting::kMostLights)) {}
 
 Lighting LightingParts::over(const Lighting& base) const {
   Lighting lighting = base;
@@ -164,9 +165,10 @@ Lighting LightingParts::over(const Lighting& base) const {
   part(specular, lighting.specular);
   part(shininess, lighting.shininess);
   if (lights) {
-    GVX_CHECK(lights->size() <= Lighting::kMostLights);
+    // Frame::make() refuses more by their number.
     lighting.lights = static_cast<int>(lights->size());
-    std::copy(lights->begin(), lights->end(), lighting.light);
+    std::copy_n(lights->begin(), std::min<std::size_t>(lights->size(), Lighting::kMostLights),
+                lighting.light);
   }
   return lighting;
 }

@@ -50,6 +50,15 @@ std::string error_of(const std::string& text) {
   return scene.error().message;
 }
 
+TEST(LightingParts, more_lights_than_there_can_be_are_counted_and_not_taken) {
+  LightingParts parts;
+  parts.lights.emplace(Lighting::kMostLights + 1);
+  EXPECT_EQ(parts.over(Lighting()).lights, Lighting::kMostLights + 1);
+  Lighting lighting;
+  lighting.lights = Lighting::kMostLights + 1;
+  EXPECT_EQ(LightingParts(lighting).lights->size(), std::size_t{Lighting::kMostLights});
+}
+
 TEST(SceneFile, reads_every_field) {
   const SceneFile scene = parse_scene(kEverything, "a.json").value();
   EXPECT_EQ(scene.volume, "head.gvx");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <string>
 
 #include "gvx/store/codec.h"
 
@@ -14,6 +15,27 @@ constexpr std::int64_t kEdge = kPageEdge;
 /// References that a block of a height has room for.
 std::size_t block_refs(Vec3i pages) {
   return static_cast<std::size_t>(pages.x * pages.y * std::min(pages.z, kEdge));
+}
+
+Error wrong(std::uint32_t level, const std::string& what) {
+  return Error{"store index: level " + std::to_string(level) + ": " + what};
+}
+
+Status check_page(const TreeShape& shape, std::uint32_t level, Vec3i page) {
+  if (level >= shape.levels) return wrong(level, "the tree has " + std::to_string(shape.levels) + " levels");
+  const Vec3i pages = shape.level_pages(level);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (page[axis] < 0 || page[axis] >= pages[axis]) {
+      return wrong(level, "there is no page " + std::to_string(page.x) + ", " + std::to_string(page.y) +
+                              ", " + std::to_string(page.z) + " in " + std::to_string(pages.x) + " x " +
+                              std::to_string(pages.y) + " x " + std::to_string(pages.z));
+    }
+  }
+  return {};
+}
+
+Error page_is_missing(std::uint32_t level) {
+  return wrong(level, "a page is missing; call add_page() for each, or set_background()");
 }
 
 }  // namespace
@@ -38,14 +60,30 @@ std::uint64_t IndexWriter::most_bytes(const TreeShape& shape) {
 }
 
 Status IndexWriter::set_background(std::uint32_t level, std::span<const std::byte> record) {
-  GVX_CHECK(record.size() == layout_.bytes() && layout_.decode(record.data()).constant());
+  if (level >= shape_.levels)
+    return wrong(level, "the tree has " + std::to_string(shape_.levels) + " levels");
+  if (record.size() != layout_.bytes() || !layout_.decode(record.data()).constant()) {
+    return wrong(level, "background: expected one record, of a constant");
+  }
+  const auto has_pages = [](const Height& height) { return height.begun || height.block > 0; };
+  if (levels_[level].top.bytes != 0 || std::ranges::any_of(levels_[level].heights, has_pages)) {
+    return wrong(level, "set_background() comes once, before the first page");
+  }
   GVX_ASSIGN(levels_[level].background, page_of_one_record(record));
   levels_[level].top = levels_[level].background;
   return {};
 }
 
 Status IndexWriter::add_page(std::uint32_t level, Vec3i page, std::span<const std::byte> records) {
-  GVX_CHECK(records.size() == std::size_t{kPageNodes} * layout_.bytes());
+  GVX_TRY(check_page(shape_, level, page));
+  const std::vector<Height>& heights = levels_[level].heights;
+  if (!heights.empty() && page.z / kEdge < heights[0].block) {
+    return wrong(level, "a page comes too late; layers of pages come in ascending order of z");
+  }
+  if (records.size() != std::size_t{kPageNodes} * layout_.bytes()) {
+    return wrong(level, "a page of " + std::to_string(records.size()) + " bytes; expected " +
+                            std::to_string(kPageNodes) + " records of " + std::to_string(layout_.bytes()));
+  }
   const auto one = one_record(level, page, records);
   GVX_ASSIGN(const PageRef ref, one.empty() ? write_page(layout_.bytes(), records) : page_of_one_record(one));
   return put(level, 0, page, ref);
@@ -58,7 +96,7 @@ Result<std::vector<PageRef>> IndexWriter::finish() {
       const std::int64_t layers = levels_[level].heights[height].pages.z;
       GVX_TRY(write_blocks(level, height, (layers + kEdge - 1) / kEdge));
     }
-    GVX_CHECK(levels_[level].top.bytes != 0);
+    if (levels_[level].top.bytes == 0) return page_is_missing(level);
     tops.push_back(levels_[level].top);
   }
   return tops;
@@ -124,7 +162,7 @@ Status IndexWriter::write_block(std::uint32_t level, std::uint32_t height) {
         GVX_ASSIGN(ref, page_above(h, x, y));
       }
       // A page that nobody added, in a level without a background, has no bytes.
-      GVX_CHECK(ref.bytes != 0);
+      if (ref.bytes == 0) return page_is_missing(level);
       GVX_TRY(put(level, height + 1, {x, y, h.block}, ref));
     }
   }
@@ -133,7 +171,7 @@ Status IndexWriter::write_block(std::uint32_t level, std::uint32_t height) {
   return {};
 }
 
-/// The page (x, y) above the block.
+/// The page (x, y) above the block; without bytes where a page of the block is missing.
 Result<PageRef> IndexWriter::page_above(const Height& h, std::int64_t x, std::int64_t y) {
   std::array<PageRef, kPageNodes> page{};
   const std::int64_t across = std::min(h.pages.x - x * kEdge, kEdge),
@@ -146,7 +184,9 @@ Result<PageRef> IndexWriter::page_above(const Height& h, std::int64_t x, std::in
       PageRef* to = page.data() + (k * kEdge + j) * kEdge;
       std::copy(from, from + across, to);
       same = same && std::all_of(to, to + across, [&](const PageRef& r) { return r == page[0]; });
-      GVX_CHECK(std::all_of(to, to + across, [](const PageRef& r) { return r.bytes != 0; }));
+      if (std::any_of(to, to + across, [](const PageRef& r) { return r.bytes == 0; })) {
+        return PageRef{};
+      }
     }
   }
   if (same && page[0].one_record()) return page[0];

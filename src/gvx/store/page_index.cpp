@@ -113,7 +113,7 @@ Result<Page> PageIndex::load(const PageRef& ref, std::uint32_t level, std::uint3
 }
 
 Result<PageIndex::Record> PageIndex::record(const NodeKey& key) const {
-  GVX_CHECK(shape_.contains(key));
+  if (!shape_.contains(key)) return Error{file_.path() + ": " + node_name(key) + " is not in the tree"};
   const auto page_of = [&](std::uint32_t height) {
     const std::uint32_t shift = 3 * (height + 1);
     return Vec3i(static_cast<std::int64_t>(key.x >> shift), static_cast<std::int64_t>(key.y >> shift),

@@ -129,7 +129,14 @@ Result<NodeRecord> StoreReader::node(const NodeKey& key) const {
 Status StoreReader::read_brick(const NodeKey& key, const NodeRecord& record, std::span<std::byte> voxels,
                                std::uint32_t border) const {
   const VoxelFormat format = info_.format;
-  GVX_CHECK(voxels.size() == info_.brick_bytes(border));
+  if (border < 1 || border > kMostBorder) {
+    return Error{path() + ": read_brick: a border of " + std::to_string(border) + " voxels; expected 1 or 2"};
+  }
+  if (voxels.size() != info_.brick_bytes(border)) {
+    return Error{path() + ": read_brick: memory of " + std::to_string(voxels.size()) +
+                 " bytes; expected info().brick_bytes(" + std::to_string(border) + "), " +
+                 std::to_string(info_.brick_bytes(border))};
+  }
   const std::size_t texels = info_.texels(border), stored_texels = info_.texels(info_.border);
   if (record.constant()) {
     std::fill(voxels.begin(), voxels.end(), std::byte{0});

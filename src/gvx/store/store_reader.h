@@ -33,12 +33,12 @@ class StoreReader {
   /// All sections of the file, including unknown ones.
   const std::vector<Section>& sections() const { return sections_; }
 
-  /// The record of a node, which must be in the tree. Reads index pages that are not in memory. Thread-safe.
+  /// The record of a node; an error if there is none. Reads index pages that are not in memory. Thread-safe.
   Result<NodeRecord> node(const NodeKey& key) const;
 
   /// Fills `voxels`, info().brick_bytes(border) bytes, with the brick of a node. If record.constant(),
-  /// nothing is read. If the store's border is narrower than `border`, the outer voxels are extrapolated.
-  /// Thread-safe.
+  /// nothing is read. If the store's border is narrower than `border` (1 or 2), outer voxels are
+  /// extrapolated. Thread-safe.
   Status read_brick(const NodeKey& key, const NodeRecord& record, std::span<std::byte> voxels,
                     std::uint32_t border = kBrickBorder) const;
 

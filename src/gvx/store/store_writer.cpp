@@ -1,5 +1,6 @@
 #include "gvx/store/store_writer.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -7,8 +8,44 @@
 #include <unistd.h>
 
 #include "gvx/store/header.h"
+#include "gvx/store/shape_check.h"
 
 namespace gvx::store {
+
+namespace {
+
+Status check_section(const std::string& path, std::span<const Section> sections, const std::string& name) {
+  const auto printable = [](char c) { return c > ' ' && c < 127; };
+  if (name.empty() || name.size() > StoredName().size() || !std::ranges::all_of(name, printable)) {
+    return Error{path + ": section \"" + name + "\": expected a name of 1 to " +
+                 std::to_string(StoredName().size()) + " printable characters without a space"};
+  }
+  if (std::ranges::any_of(sections, [&](const Section& s) { return s.name == name; })) {
+    return Error{path + ": section \"" + name + "\" is there already"};
+  }
+  return {};
+}
+
+/// Is it of the volume that the store was created for?
+Status check_info(const std::string& path, const VolumeInfo& info, const TreeShape& shape,
+                  const RecordLayout& layout) {
+  const TreeShape& other = info.shape;
+  if (other.n != shape.n || other.m != shape.m || other.levels != shape.levels ||
+      other.dimensions != shape.dimensions) {
+    return Error{path + ": finish: the tree is of another shape than the store was created with"};
+  }
+  if (!info.format.valid() || RecordLayout(info.format).bytes() > layout.bytes()) {
+    return Error{path + ": finish: the voxels are of another format than the store was created with"};
+  }
+  const auto complete = [](const auto& histogram) { return histogram.size() == kHistogramBins; };
+  if (info.histograms.size() != info.format.channels() || !std::ranges::all_of(info.histograms, complete)) {
+    return Error{path + ": finish: expected a histogram of " + std::to_string(kHistogramBins) +
+                 " bins for each channel"};
+  }
+  return {};
+}
+
+}  // namespace
 
 StoreWriter::StoreWriter(PartialFile file, const TreeShape& shape, const RecordLayout& layout)
     : file_(std::move(file)),
@@ -24,6 +61,7 @@ StoreWriter::~StoreWriter() {
 
 Result<std::unique_ptr<StoreWriter>> StoreWriter::create(const std::string& path, const TreeShape& shape,
                                                          const RecordLayout& layout) {
+  if (const Status sound = check_shape(shape); !sound.ok()) return Error{path + ": " + sound.error().message};
   GVX_ASSIGN(PartialFile file, PartialFile::create(path));
   return std::unique_ptr<StoreWriter>(new StoreWriter(std::move(file), shape, layout));
 }
@@ -40,6 +78,7 @@ Status StoreWriter::write_at(std::uint64_t offset, std::span<const std::byte> by
 }
 
 Status StoreWriter::append(std::span<const std::byte> bytes) {
+  if (file_.descriptor() < 0) return Error{partial_path_ + ": the store is complete; nothing can be added"};
   pending_.insert(pending_.end(), bytes.begin(), bytes.end());
   end_ += bytes.size();
   return pending_.size() < kPendingBytes ? Status() : write_pending();
@@ -91,9 +130,16 @@ Status StoreWriter::add_page(std::uint32_t level, Vec3i page, std::span<const st
 Status StoreWriter::add_page_layer(std::uint32_t level, std::int64_t page_z,
                                    std::span<const NodeRecord> records) {
   constexpr std::int64_t kEdge = kPageEdge;
+  if (level >= shape_.levels) {
+    return Error{partial_path_ + ": level " + std::to_string(level) + ": the tree has " +
+                 std::to_string(shape_.levels) + " levels"};
+  }
   const Vec3i pages = shape_.level_pages(level);
   const std::int64_t row = pages.x * kEdge, slice = row * pages.y * kEdge;
-  GVX_CHECK(static_cast<std::int64_t>(records.size()) == slice * kEdge);
+  if (static_cast<std::int64_t>(records.size()) != slice * kEdge) {
+    return Error{partial_path_ + ": a layer of " + std::to_string(records.size()) + " records; expected " +
+                 std::to_string(slice * kEdge)};
+  }
   std::vector<std::byte> page(std::size_t{kPageNodes} * layout_.bytes());
   for (std::int64_t py = 0; py < pages.y; ++py) {
     for (std::int64_t px = 0; px < pages.x; ++px) {
@@ -111,11 +157,13 @@ Status StoreWriter::add_page_layer(std::uint32_t level, std::int64_t page_z,
 
 Status StoreWriter::add_section(const std::string& name, std::uint32_t version, bool required,
                                 std::span<const std::byte> bytes) {
+  GVX_TRY(check_section(partial_path_, sections_, name));
   sections_.push_back({name, version, required, end_, bytes.size(), checksum(bytes)});
   return append(bytes);
 }
 
 Status StoreWriter::finish(const VolumeInfo& info) {
+  GVX_TRY(check_info(partial_path_, info, shape_, layout_));
   GVX_ASSIGN(const auto directory, index_.finish());
   GVX_TRY(add_section(kDirectorySection, 1, true, std::as_bytes(std::span(directory))));
   GVX_TRY(add_section(kRecordsSection, 1, true, std::as_bytes(std::span(layout_.fields()))));

@@ -42,18 +42,18 @@ class StoreWriter {
     return 2 * kPendingBytes + IndexWriter::most_bytes(shape);
   }
 
-  /// Appends bytes to which a record or a section will refer.
+  /// Appends bytes to which a record or a section will refer. An error after finish().
   Result<BlockRef> add_block(std::span<const std::byte> bytes);
 
   /// Appends a compressed brick. Returns its record, with these ranges.
   Result<NodeRecord> add_brick(std::span<const std::byte> compressed, const ChannelRanges& ranges);
 
-  /// Sets the constant value of all nodes of a level that are in no page. Call it before the level's first
+  /// Sets the constant value of all nodes of a level that are in no page. An error once the level has a
   /// page.
   Status set_background(std::uint32_t level, const ChannelRanges& constant);
 
   /// Adds an index page: 8^3 records in the record layout, x fastest. Records beyond the level's nodes are 0.
-  /// The layers of pages of a level must be added in ascending order of z.
+  /// The layers of pages of a level come in ascending order of z: an error if one comes too late.
   Status add_page(std::uint32_t level, Vec3i page, std::span<const std::byte> records);
 
   /// Adds all pages of a level with this z. `records` has pages_x*8 by pages_y*8 by 8 nodes, x fastest.

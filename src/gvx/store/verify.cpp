@@ -227,6 +227,8 @@ class Checker {
 
 Result<VerifyReport> verify(const exec::Device& cpu, const std::string& path,
                             const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+  if (cpu.kind() != exec::DeviceKind::cpu)
+    return Error{"verify: runs on the CPU only; expected Device::cpu()"};
   GVX_ASSIGN(const auto reader, StoreReader::open(path));
   GVX_TRY(check_sections(*reader));
   Checker checker(cpu, *reader, progress);

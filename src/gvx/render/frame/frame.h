@@ -46,7 +46,7 @@ struct FrameView {
   Box3d box;                          ///< of the visible volume in tree space, from the eye
   const LevelView* levels = nullptr;  ///< of the tree, up to max_level
   Vec3d root;                         ///< counted from the node of its size that the eye is in
-  /// Of each ray between which distances it sees anything, or null: a proxy's (produce/proxy.h). What is cut
+  /// Of each ray between which distances it sees anything, or null: a proxy's (scene/proxy.h). What is cut
   /// off makes no difference to a picture; steps are those that they are without.
   const RayInterval* proxy = nullptr;
   double tick_world = 0;

@@ -1,0 +1,60 @@
+/// \file
+/// World: the objects of a picture. An object is a volume at a place, shown in a way of its own. Thousands of
+/// objects may show one volume: it is in memory once.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "gvx/core/affine.h"
+#include "gvx/core/ray.h"
+#include "gvx/core/result.h"
+#include "gvx/engine/volume.h"
+#include "gvx/render/frame/view.h"
+#include "gvx/tree/tree_description.h"
+
+namespace gvx::engine {
+
+struct Object {
+  std::shared_ptr<Volume> volume;
+  Affine3 transform;         ///< from the volume's world to the picture's; it may mirror and shear
+  render::ObjectLook shown;  ///< mode, transfer functions, clip box..
+};
+
+/// Does not change once it is made: viewers share it.
+class World {
+ public:
+  /// An error, which names the object by its number, if there is none, a volume is missing, or a transform
+  /// has no usable inverse.
+  static Result<std::shared_ptr<const World>> make(std::vector<Object> objects);
+
+  std::span<const Object> objects() const { return objects_; }
+  /// The tree of an object's volume, placed in the picture's world.
+  const tree::TreeDescription& tree(std::size_t object) const { return trees_[object]; }
+  /// The volumes, each once.
+  std::span<Volume* const> volumes() const { return volumes_; }
+
+  /// A volume and a way to show it, which some objects have in common.
+  struct Kind {
+    std::size_t volume = 0;  ///< in volumes()
+    std::size_t object = 0;  ///< one that has it
+  };
+  std::span<const Kind> kinds() const { return kinds_; }
+  std::size_t kind(std::size_t object) const { return kind_of_[object]; }
+
+  /// Can the camera see nothing of an object's box? True is certain.
+  bool out_of_sight(std::size_t object, const scene::CameraView& camera) const;
+
+ private:
+  void add(Object object);
+
+  std::vector<Object> objects_;
+  std::vector<tree::TreeDescription> trees_;  // without histograms
+  std::vector<Volume*> volumes_;
+  std::vector<Kind> kinds_;
+  std::vector<std::size_t> kind_of_;
+};
+
+}  // namespace gvx::engine
