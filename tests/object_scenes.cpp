@@ -19,6 +19,13 @@ Affine3 turned(std::mt19937& random) {
   return {{x, cross(z, x), z}, {}};
 }
 
+std::uint32_t projecting(const ObjectScene& scene) {
+  const auto projects = [](const SceneObject& object) {
+    return object.view.mode != scene::Mode::composite && object.view.mode != scene::Mode::isosurface;
+  };
+  return static_cast<std::uint32_t>(std::count_if(scene.objects.begin(), scene.objects.end(), projects));
+}
+
 /// The film's rays that are not finished.
 std::uint64_t unfinished(const render::Film& film) {
   return film.totals().unfinished;
@@ -140,7 +147,10 @@ render::ObjectView ResidentScene::Resident::view() {
 }
 
 ResidentScene::ResidentScene(const ObjectScene& scene, const HowRendered& how)
-    : scene_(scene), how_(how), random_(how.seed), film_(how.device, scene.view.width, scene.view.height) {
+    : scene_(scene),
+      how_(how),
+      random_(how.seed),
+      film_(how.device, scene.view.width, scene.view.height, projecting(scene)) {
   for (const SceneObject& object : scene.objects) {
     residents_.push_back(std::make_unique<Resident>(how.device, object, scene.view_of(object), how.pools));
   }
@@ -155,6 +165,7 @@ render::Pass ResidentScene::next_pass() {
   pass.number = number_;
   pass.epoch = film_.epoch();
   pass.blank_tiles = film_.blank_tiles();
+  pass.projections = film_.projections();
   pass.one_ray_at_a_time = how_.one_ray_at_a_time;
   return pass;
 }

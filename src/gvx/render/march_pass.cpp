@@ -40,7 +40,11 @@ Status check_kernels(const exec::Device& device, VoxelType type, std::uint32_t n
                "; build it with that type in GVX_CUDA_VOXELS"};
 }
 
-Status check_objects(const exec::Device& device, std::size_t objects) {
+Status check_objects(const exec::Device& device, std::size_t objects, std::size_t projecting) {
+  if (objects > 1 && projecting > kMostProjecting) {
+    return Error{"objects: at most " + std::to_string(kMostProjecting) +
+                 " may show a greatest, least or mean value, not " + std::to_string(projecting)};
+  }
   if (device.kind() == exec::DeviceKind::cpu || objects <= 1) return {};
   return Error{"a GPU renders scenes of one object so far, not of " + std::to_string(objects) +
                "; use --device cpu"};
@@ -61,7 +65,6 @@ bool march_preview(const exec::Device& device, const PreviewMarch& march) {
 }
 
 void march_ray(const Pass& pass, double x, double y, RayState& state) {
-  if (pass.objects.size() > 1) return SceneRay(pass, x, y).march_exact(state);
   const auto march = march_of(pass.object(), pass.number);
   march->begin(x, y);
   march->march_exact(state);

@@ -17,6 +17,7 @@
 #include "gvx/exec/device.h"
 #include "gvx/exec/tile_grid.h"
 #include "gvx/render/frame/frame.h"
+#include "gvx/render/frame/ray_projection.h"
 #include "gvx/render/frame/ray_state.h"
 #include "gvx/tree/hidden_nodes.h"
 #include "gvx/tree/node_pool.h"
@@ -46,6 +47,7 @@ struct Pass {
   std::uint32_t number = 0;                     ///< the stamp of this pass
   std::uint32_t epoch = 0;                      ///< of the film
   exec::BufferView<std::uint32_t> blank_tiles;  ///< Film::blank_tiles; for previews, or nothing
+  ProjectionsView projections;                  ///< Film::projections; for exact rays of several objects
   /// If not kAllRays, the one ray that marches, y * width + x: where memory does not hold what two need.
   std::uint64_t lone_ray = kAllRays;
 
@@ -72,8 +74,8 @@ constexpr bool has_kernels([[maybe_unused]] std::uint32_t n, [[maybe_unused]] st
 
 /// An error where this build has no kernels for such voxels, n and m on the device.
 Status check_kernels(const exec::Device& device, VoxelType type, std::uint32_t n, std::uint32_t m);
-/// An error where the device renders no scenes of so many objects.
-Status check_objects(const exec::Device& device, std::size_t objects);
+/// An error where the device renders no scenes of so many objects, of which so many project.
+Status check_objects(const exec::Device& device, std::size_t objects, std::size_t projecting);
 
 /// The march of a pass through the listed tiles of a grid, as far as it comes before the deadline.
 struct TilesMarch {
@@ -107,7 +109,7 @@ bool march_exact(const exec::Device& device, const ExactMarch& march);
 /// ray is not finished.
 bool march_preview(const exec::Device& device, const PreviewMarch& march);
 
-/// Ray (x, y) marches by itself, as march.h says; on a CPU.
+/// Ray (x, y) marches by itself through the only object, as march.h says; on a CPU.
 void march_ray(const Pass& pass, double x, double y, RayState& state);
 /// Ray (x, y) draws its preview by itself; on a CPU.
 PreviewPixel preview_ray(const Pass& pass, double x, double y);
@@ -119,7 +121,8 @@ struct RayReach {
   std::int32_t object = -1;    ///< of the pass, most of whose matter is there; -1 for none
 };
 
-/// Where a preview of ray (x, y) comes to this opacity (march.h). Not for projections; on a CPU.
+/// Where a preview of ray (x, y) comes to this opacity (march.h). Not for a projection without other objects;
+/// on a CPU.
 RayReach reach(const Pass& pass, double x, double y, float opacity);
 
 }  // namespace gvx::render

@@ -46,7 +46,8 @@ Status check_rows(const char* name, const PictureRows<T>& rows, std::size_t leng
 Status check(const PictureTarget& target, std::uint32_t width, std::uint32_t height) {
   GVX_TRY(check_rows("rgba8", target.rgba8, std::size_t{4} * width, height));
   GVX_TRY(check_rows("rgba", target.rgba, std::size_t{4} * width, height));
-  return check_rows("depth", target.depth, width, height);
+  GVX_TRY(check_rows("depth", target.depth, width, height));
+  return check_rows("object", target.object, width, height);
 }
 
 std::vector<std::uint8_t> Picture::to_8_bit() const {
@@ -77,12 +78,15 @@ double psnr(const Picture& a, const Picture& b) {
   return mean > 0 ? -10 * std::log10(mean) : std::numeric_limits<double>::infinity();
 }
 
-Film::Film(const exec::Device& device, std::uint32_t width, std::uint32_t height)
+Film::Film(const exec::Device& device, std::uint32_t width, std::uint32_t height, std::uint32_t projecting)
     : width_(width),
       height_(height),
       rays_(device, std::size_t(width) * height),
       preview_(device, std::size_t(width) * height),
-      blank_tiles_(device, grid().tiles()) {}
+      blank_tiles_(device, grid().tiles()),
+      projecting_(projecting),
+      projections_(device, projecting > 0 ? rays_.size() : 0),
+      samples_(device, rays_.size() * projecting) {}
 
 Film::Seen Film::seen(std::uint32_t x, std::uint32_t y) const {
   if (is_blank(x, y)) return {};

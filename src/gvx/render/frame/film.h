@@ -12,6 +12,7 @@
 #include "gvx/exec/device.h"
 #include "gvx/exec/tile_grid.h"
 #include "gvx/render/frame/frame.h"
+#include "gvx/render/frame/ray_projection.h"
 #include "gvx/render/frame/ray_state.h"
 
 namespace gvx::render {
@@ -41,6 +42,8 @@ struct PictureTarget {
   /// One value a pixel: how far, along the view and in the world's units, what is seen there is from the eye.
   /// Infinite where the pixel shows less than half of anything.
   PictureRows<float> depth = {};
+  /// One value a pixel: which object is seen where that depth is; -1 where there is none.
+  PictureRows<std::int32_t> object = {};
 };
 
 /// An error that says which rows of a picture of this size do not fit into their memory.
@@ -65,7 +68,8 @@ class Film {
   static constexpr std::uint32_t kLargestBlock = 32;
 
   /// Of width x height rays.
-  Film(const exec::Device& device, std::uint32_t width, std::uint32_t height);
+  /// Of a scene in which `projecting` objects beside others show a greatest, least or mean value.
+  Film(const exec::Device& device, std::uint32_t width, std::uint32_t height, std::uint32_t projecting = 0);
 
   exec::TileGrid grid() const { return {width_, height_}; }
   exec::BufferView<RayState> rays() { return rays_.view(); }
@@ -73,6 +77,9 @@ class Film {
   /// Of each tile of the grid the epoch in which it was found that none of its rays sees anything: then these
   /// are finished, and their states are not written, which are most of what a picture takes in memory.
   exec::BufferView<std::uint32_t> blank_tiles() { return blank_tiles_.view(); }
+
+  /// Pass::projections.
+  ProjectionsView projections() { return {projections_.view(), samples_.view(), projecting_}; }
 
   /// All rays back to their start and no preview: a new epoch.
   void clear() { ++epoch_; }
@@ -117,6 +124,9 @@ class Film {
   exec::Buffer<RayState> rays_;
   exec::Buffer<PreviewPixel> preview_;
   exec::Buffer<std::uint32_t> blank_tiles_;
+  std::uint32_t projecting_;
+  exec::Buffer<RayProjection> projections_;
+  exec::Buffer<ProjectedSample> samples_;
 };
 
 }  // namespace gvx::render

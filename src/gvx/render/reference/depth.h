@@ -19,18 +19,6 @@ GVX_HD inline double share_to(float before, float after, float opacity) {
   return all < INFINITY ? std::log((1 - double(before)) / (1 - double(opacity))) / all : 0;
 }
 
-/// Step i of a stretch, by itself.
-template <typename Voxel, int M>
-GVX_HD Stretch<Voxel, M> one_step(const Stretch<Voxel, M>& s, float i) {
-  Stretch<Voxel, M> one = s;
-  one.steps = 1;
-  one.t_centre = s.t_at(i);
-  one.fine.first = s.fine.at(i);
-  one.coarse.first = s.coarse.at(i);
-  one.place = s.place + double(i) * s.place_step;
-  return one;
-}
-
 /// Does a ray end at the first place where the value is the isovalue?
 GVX_HD inline bool finds_surfaces(const FrameView& frame) {
   return frame.visibility.mode == scene::Mode::isosurface && frame.format.content == VoxelContent::scalar;

@@ -61,6 +61,30 @@ class RayMarcher {
     }
   }
 
+  /// As march_exact and, with `preview`, march_preview, for a projection; puts into `found` the distance from
+  /// the eye at which the value is: of means the middle of the ray, of several channels where the last of
+  /// them changed.
+  GVX_HD void march_projection(RayState& state, double& found, PreviewPixel* preview) const {
+    Stretch<Voxel, M> stretch;
+    Step step;
+    while (state.phase == RayPhase::under_way && next_step(state, step)) {
+      Place place = descend(step, state);
+      if (preview != nullptr) {
+        make_do(step, 1, place, *preview);
+      } else if (place.lacks()) {
+        return walk_.ask(place, 1);
+      }
+      const RayState before = state;
+      if (take(state, step, place, stretch)) {
+        gather_stretch(ray_view(), stretch, state);
+        found = changed_in(ray_view(), stretch, before, state, found);
+      } else if (is_other_projection(view_.frame, before, state)) {
+        found = step.t_centre;
+      }
+    }
+    if (view_.frame.visibility.mode == scene::Mode::mean) found = 0.5 * (inside_.enter + inside_.exit);
+  }
+
   /// The distance from the eye at which a preview of the ray, or of its rest, comes to this opacity, or
   /// infinity. Of isosurfaces that is the surface; of what is composited it lies within a step as if that
   /// were of one matter. Not for projections.

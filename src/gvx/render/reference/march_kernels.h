@@ -100,7 +100,11 @@ class MarchOfObject final : public ObjectMarch {
   explicit MarchOfObject(const PassView<Voxel, N, M>& view) : view_(view) {}
 
   void begin(double pixel_x, double pixel_y) override { ray_.emplace(view_, pixel_x, pixel_y); }
+  bool projects() const override { return render::projects(view_.frame); }
   void march_exact(RayState& state) const override { ray_->march_exact(state); }
+  void march_projection(RayState& state, double& found, PreviewPixel* preview) const override {
+    ray_->march_projection(state, found, preview);
+  }
   void march_preview(RayState& state, PreviewPixel& pixel) const override {
     ray_->march_preview(state, pixel);
   }

@@ -17,7 +17,7 @@ namespace gvx::render {
 struct ObjectStep {
   double end = FrameView::kNever;  ///< to this distance from the eye; kNever behind the object
   double extinction = 0;           ///< a unit of the world
-  Vec3f color;
+  Vec3f color = {};
   double surface = FrameView::kNever;  ///< where an opaque surface of that colour is, instead of matter
   std::uint32_t samples = 0;           ///< that were taken to know it
 };
@@ -29,9 +29,13 @@ class ObjectMarch {
   /// From now on it is the ray of this pixel that marches.
   virtual void begin(double pixel_x, double pixel_y) = 0;
 
+  /// Does it show a greatest, least or mean value?
+  virtual bool projects() const = 0;
+
   /// As RayMarcher's.
   virtual void march_exact(RayState& state) const = 0;
   virtual void march_preview(RayState& state, PreviewPixel& pixel) const = 0;
+  virtual void march_projection(RayState& state, double& found, PreviewPixel* preview) const = 0;
   virtual double march_to(float opacity, RayState& state) const = 0;
   /// As StepCursor's.
   virtual bool look(double t, float gain, PreviewPixel* preview, ObjectStep& shown) = 0;

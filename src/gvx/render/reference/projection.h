@@ -99,6 +99,34 @@ GVX_HD inline void project_constant(const RayView& ray, const ChannelRanges& val
   ++state.samples;
 }
 
+/// Did values change what a ray has gathered?
+GVX_HD inline bool is_other_projection(const FrameView& frame, const RayState& before, RayState after) {
+  RayState old = before;
+  bool other = before.samples == 0 && after.samples > 0;
+  for (std::uint32_t c = 0; c < frame.visibility.channels; ++c) {
+    other = other || gathered(old, c) != gathered(after, c);
+  }
+  return other;
+}
+
+/// At what distance from the eye a stretch last changed what a ray had gathered `before` it; `otherwise`
+/// where it did not.
+template <typename Voxel, int M>
+GVX_HD double changed_in(const RayView& ray, const Stretch<Voxel, M>& s, const RayState& before,
+                         const RayState& after, double otherwise) {
+  if (!scene::seeks_extreme(ray.frame.visibility.mode) || !is_other_projection(ray.frame, before, after)) {
+    return otherwise;
+  }
+  RayState at = before;
+  for (std::int64_t step = 0; step < s.steps; ++step) {
+    const RayState last = at;
+    const Stretch<Voxel, M> one = one_step(s, static_cast<float>(step));
+    project_stretch(ray, one, at);
+    if (is_other_projection(ray.frame, last, at)) otherwise = one.t_centre;
+  }
+  return otherwise;
+}
+
 /// At the end of a ray: the values become colours, which add up, and opacities. `ticks` is the ray's length.
 GVX_HD inline void finish_projection(const RayView& ray, float ticks, RayState& state) {
   const scene::Visibility& visibility = ray.frame.visibility;

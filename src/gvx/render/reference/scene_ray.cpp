@@ -1,5 +1,6 @@
 #include "gvx/render/reference/scene_ray.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "gvx/render/reference/joint_march.h"
@@ -24,6 +25,24 @@ bool march_alone(const ObjectMarch& object, const RaySpan& span, RayState& state
   return state.phase == RayPhase::finished;
 }
 
+/// Finds what those objects of a segment show that project, one after the other. False where one lacks data.
+bool project(const RayThroughObjects& ray, std::span<const RaySpan> segment, RayState& state,
+             PreviewPixel* preview) {
+  RayProjection& projection = *ray.projection;
+  std::uint32_t number = 0;
+  for (const RaySpan& span : segment) {
+    const ObjectMarch& object = *ray.objects[span.object];
+    if (!object.projects() || number++ < projection.done) continue;
+    RayState& gathering = projection.gathering;
+    object.march_projection(gathering, projection.found, preview);
+    if (gathering.phase != RayPhase::finished) return false;
+    ray.samples[projection.done++] = {gathering.color, gathering.opacity, projection.found};
+    state.samples += gathering.samples;
+    gathering = {};
+  }
+  return true;
+}
+
 }  // namespace
 
 void enter_segment(RayState& state, std::size_t next, std::size_t spans) {
@@ -37,11 +56,17 @@ bool march_segment(const RayThroughObjects& ray, RayState& state, PreviewPixel* 
   const std::size_t end = segment_end(ray.spans, state.segment);
   const std::span<const RaySpan> segment = ray.spans.subspan(state.segment, end - state.segment);
   for (const RaySpan& span : segment) ray.objects[span.object]->begin(ray.x, ray.y);
-  const bool through = segment.size() == 1
+  const bool projecting = std::any_of(segment.begin(), segment.end(), [&](const RaySpan& span) {
+    return ray.objects[span.object]->projects();
+  });
+  if (projecting && !project(ray, segment, state, preview)) return false;
+  const bool through = segment.size() == 1 && !projecting
                            ? march_alone(*ray.objects[segment[0].object], segment[0], state, preview, reach)
-                           : JointMarch(segment, ray.objects).march(state, preview, reach);
-  if (through) enter_segment(state, end, ray.spans.size());
-  return through;
+                           : JointMarch(segment, ray.objects, ray.samples).march(state, preview, reach);
+  if (!through) return false;
+  if (projecting) *ray.projection = {.epoch = ray.projection->epoch};
+  enter_segment(state, end, ray.spans.size());
+  return true;
 }
 
 SceneRay::SceneRay(const Pass& pass, double x, double y) : x_(x), y_(y) {
@@ -56,18 +81,20 @@ SceneRay::SceneRay(const Pass& pass, double x, double y) : x_(x), y_(y) {
   sort_spans(spans_);
 }
 
-void SceneRay::march_exact(RayState& state) const {
-  if (spans_.empty()) state.phase = RayPhase::finished;
-  while (state.phase == RayPhase::under_way && march_segment(ray(), state)) {
+RayState SceneRay::march(PreviewPixel& pixel, RayReach* reach) const {
+  RayState state;
+  RayProjection projection;
+  std::vector<ProjectedSample> samples(spans_.size());
+  const auto goes_on = [&] { return state.phase == RayPhase::under_way && state.segment < spans_.size(); };
+  while (goes_on() && (reach == nullptr || reach->object < 0)) {
+    march_segment({x_, y_, spans_, marches_, &projection, samples}, state, &pixel, reach);
   }
+  return state;
 }
 
 PreviewPixel SceneRay::preview() const {
   PreviewPixel pixel;
-  RayState state;
-  while (state.phase == RayPhase::under_way && state.segment < spans_.size()) {
-    march_segment(ray(), state, &pixel);
-  }
+  const RayState state = march(pixel, nullptr);
   pixel.color = state.color;
   pixel.opacity = state.opacity;
   return pixel;
@@ -76,12 +103,10 @@ PreviewPixel SceneRay::preview() const {
 RayReach SceneRay::reach(float opacity) const {
   RayReach reach{opacity};
   PreviewPixel ignored;
-  RayState state;
-  while (reach.object < 0 && state.phase == RayPhase::under_way && state.segment < spans_.size()) {
-    march_segment(ray(), state, &ignored, &reach);
-  }
-  if (reach.object >= 0)
+  march(ignored, &reach);
+  if (reach.object >= 0) {
     reach.object = static_cast<std::int32_t>(objects_[static_cast<std::size_t>(reach.object)]);
+  }
   return reach;
 }
 

@@ -20,6 +20,9 @@ struct RayThroughObjects {
   double x, y;
   std::span<const RaySpan> spans;
   std::span<const std::unique_ptr<ObjectMarch>> objects;
+  /// Where objects project: how far they are, and as many samples as there can be in a segment.
+  RayProjection* projection = nullptr;
+  std::span<ProjectedSample> samples = {};
 };
 
 /// Marches a ray that is under way through its segment, and puts it before the next. False where it lacks
@@ -30,20 +33,18 @@ bool march_segment(const RayThroughObjects& ray, RayState& state, PreviewPixel* 
 /// A ray is through its segment, behind which span `next` of so many begins.
 void enter_segment(RayState& state, std::size_t next, std::size_t spans);
 
-/// A ray of a scene by itself.
+/// A ray of a scene by itself, for previews.
 class SceneRay {
  public:
   SceneRay(const Pass& pass, double x, double y);
 
-  /// Goes on until the ray is finished or lacks data, which it then asks for.
-  void march_exact(RayState& state) const;
   /// Draws the whole ray with what is resident.
   PreviewPixel preview() const;
   /// Where a preview of the ray comes to this opacity.
   RayReach reach(float opacity) const;
 
  private:
-  RayThroughObjects ray() const { return {x_, y_, spans_, marches_}; }
+  RayState march(PreviewPixel& pixel, RayReach* reach) const;
 
   double x_, y_;
   std::vector<RaySpan> spans_;

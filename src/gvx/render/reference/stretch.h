@@ -121,6 +121,18 @@ struct Stretch : StretchSteps {
   }
 };
 
+/// Step i of a stretch, by itself.
+template <typename Voxel, int M>
+GVX_HD Stretch<Voxel, M> one_step(const Stretch<Voxel, M>& s, float i) {
+  Stretch<Voxel, M> one = s;
+  one.steps = 1;
+  one.t_centre = s.t_at(i);
+  one.fine.first = s.fine.at(i);
+  one.coarse.first = s.coarse.at(i);
+  one.place = s.place + double(i) * s.place_step;
+  return one;
+}
+
 /// A value of one channel, and how far the finest voxels that it stands for deviate from it.
 struct ScalarSample {
   float value = 0;

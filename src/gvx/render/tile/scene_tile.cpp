@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "gvx/render/reference/object_ray.h"
+#include "gvx/render/reference/stretch.h"
 
 namespace gvx::render {
 namespace {
@@ -35,9 +36,11 @@ SceneTile::SceneTile(const Pass& pass, const ObjectTiles& objects, const RaysOfT
   const FilmRect tile = film_rect_of(rays);
   for (const std::uint32_t index : objects.objects_in(tile)) {
     const FilmRect& rect = objects.rect_of(index);
-    const bool many = rays_in(rect, tile, rays.apart) >= kFewestInVectors;
-    objects_.push_back({&pass.objects[index], rect, many && !pass.one_ray_at_a_time});
     marches_.push_back(march_of(pass.objects[index], pass.number));
+    const bool projects = marches_.back()->projects();
+    const bool many = rays_in(rect, tile, rays.apart) >= kFewestInVectors;
+    objects_.push_back({&pass.objects[index], rect, many && !pass.one_ray_at_a_time, projects});
+    projecting_ += projects ? 1 : 0;
   }
   put_spans(marching);
   by_distance_.resize(objects_.size());
@@ -75,9 +78,8 @@ void SceneTile::march(RayState* states, PreviewPixel* pixels, exec::Deadline dea
   for (bool some = true; some;) {
     some = false;
     for (const std::uint32_t index : by_distance_) {
-      Object& object = objects_[index];
-      if (object.waiting.count() == 0) continue;
-      march_waiting(object);
+      if (objects_[index].waiting.count() == 0) continue;
+      march_waiting(index);
       some = true;
       if (exec::late(deadline_)) return;
     }
@@ -102,19 +104,76 @@ void SceneTile::go_on(std::uint32_t ray) {
       return object.waiting.set(ray);
     }
     if (has_late_ray()) return;
+    RayThroughObjects through{x_of(ray), y_of(ray), spans, marches_};
+    put_projection(ray, through);
     PreviewPixel* const pixel = pixels_ != nullptr ? &pixels_[ray] : nullptr;
-    if (!march_segment({x_of(ray), y_of(ray), spans, marches_}, state, pixel)) return;
+    if (!march_segment(through, state, pixel)) return;
   }
 }
 
-void SceneTile::march_waiting(Object& object) {
+/// Where the ray keeps what projections show. A preview's ray does not stop within a segment.
+void SceneTile::put_projection(std::uint32_t ray, RayThroughObjects& through) {
+  if (projecting_ == 0) return;
+  if (pixels_ != nullptr) {
+    projection_ = {};
+    samples_.resize(projecting_);
+    through.projection = &projection_;
+    through.samples = samples_;
+    return;
+  }
+  const ProjectionsView& film = pass_.projections;
+  GVX_CHECK(projecting_ <= film.objects);
+  const std::size_t index = static_cast<std::size_t>(y_of(ray)) * objects_[0].view->frame.width +
+                            static_cast<std::size_t>(x_of(ray));
+  RayProjection& projection = film.rays[index];
+  if (projection.epoch != pass_.epoch) projection = {.epoch = pass_.epoch};
+  through.projection = &projection;
+  through.samples = {&film.samples[index * film.objects], film.objects};
+}
+
+void SceneTile::march_waiting(std::uint32_t index) {
+  Object& object = objects_[index];
   const ActiveRays rays = object.waiting;
   object.waiting = {};
-  march_object(*object.view, pass_.number, rays_, rays, states_, pixels_, deadline_);
+  if (object.projects) {
+    project(index, rays);
+  } else {
+    march_object(*object.view, pass_.number, rays_, rays, states_, pixels_, deadline_);
+  }
   rays.for_each([&](std::uint32_t ray) {
     if (states_[ray].phase != RayPhase::finished) return;
     enter_segment(states_[ray], std::size_t{states_[ray].segment} + 1, first_[ray + 1] - first_[ray]);
     go_on(ray);
+  });
+}
+
+/// Rays go through an object that projects, beside which there is no other: what it shows is put behind what
+/// they have gathered.
+void SceneTile::project(std::uint32_t index, const ActiveRays& rays) {
+  gathering_.assign(TileRays::kMost, RayState{});
+  const auto place_of = [&](std::uint32_t ray) {
+    RayThroughObjects place{x_of(ray), y_of(ray), {}, marches_};
+    put_projection(ray, place);
+    return place.projection;
+  };
+  rays.for_each([&](std::uint32_t ray) { gathering_[ray] = place_of(ray)->gathering; });
+  const ActiveRays stubs =
+      march_object(*objects_[index].view, pass_.number, rays_, rays, gathering_.data(), pixels_, deadline_);
+  rays.for_each([&](std::uint32_t ray) {
+    RayProjection& projection = *place_of(ray);
+    projection.gathering = gathering_[ray];
+    RayState& gathered = projection.gathering;
+    if (stubs.has(ray)) {
+      marches_[index]->begin(x_of(ray), y_of(ray));
+      marches_[index]->march_projection(gathered, projection.found,
+                                        pixels_ != nullptr ? &pixels_[ray] : nullptr);
+    }
+    if (gathered.phase != RayPhase::finished) return;
+    RayState& state = states_[ray];
+    state.samples += gathered.samples;
+    if (gathered.opacity > 0.0f) add(state, gathered.color / gathered.opacity, gathered.opacity);
+    state.phase = RayPhase::finished;
+    projection = {.epoch = projection.epoch};
   });
 }
 

@@ -33,7 +33,8 @@ class SceneTile {
   struct Object {
     const ObjectView* view;
     FilmRect rect;
-    bool in_vectors;          // as far as it is by itself
+    bool in_vectors;  // as far as it is by itself
+    bool projects;
     double nearest = 1e300;   // distance of the rays' spans
     ActiveRays waiting = {};  // rays that stand before it, alone
   };
@@ -43,7 +44,9 @@ class SceneTile {
   double y_of(std::uint32_t ray) const { return rays_.y0 + rays_.apart * (ray / TileRays::kEdge); }
   bool has_late_ray();
   void go_on(std::uint32_t ray);
-  void march_waiting(Object& object);
+  void put_projection(std::uint32_t ray, RayThroughObjects& through);
+  void march_waiting(std::uint32_t index);
+  void project(std::uint32_t index, const ActiveRays& rays);
 
   const Pass& pass_;
   const RaysOfTile rays_;
@@ -56,7 +59,11 @@ class SceneTile {
   RayState* states_ = nullptr;
   PreviewPixel* pixels_ = nullptr;
   exec::Deadline deadline_;
-  int begun_ = 0;  // segments of rays by themselves
+  int begun_ = 0;               // segments of rays by themselves
+  std::size_t projecting_ = 0;  // objects
+  RayProjection projection_;    // a preview's
+  std::vector<ProjectedSample> samples_;
+  std::vector<RayState> gathering_;  // of rays that are projected together
 };
 
 }  // namespace gvx::render

@@ -24,9 +24,9 @@ bool tile_preview(const exec::Device& cpu, const PreviewMarch& march) {
 namespace {
 
 template <int N>
-void march_object_of(const ObjectView& object, std::uint32_t pass, const RaysOfTile& tile,
-                     const ActiveRays& rays, RayState* states, PreviewPixel* pixels,
-                     exec::Deadline deadline) {
+ActiveRays march_object_of(const ObjectView& object, std::uint32_t pass, const RaysOfTile& tile,
+                           const ActiveRays& rays, RayState* states, PreviewPixel* pixels,
+                           exec::Deadline deadline) {
   const TilesView view(object, pass);
   const TileProjection projection(object.frame, tile.apart);
   TileMarcher<N> marcher(view, projection, tile.x0, tile.y0, tile.apart, tile.edge, tile.preview);
@@ -35,21 +35,25 @@ void march_object_of(const ObjectView& object, std::uint32_t pass, const RaysOfT
     if (states[i].tick > 0 || states[i].opacity > 0.0f) marcher.resume(i, states[i]);
   });
   marcher.march(deadline);
+  ActiveRays stubs;
   rays.for_each([&](std::uint32_t i) {
+    if (marcher.is_stub(i)) return stubs.set(i);
     const RayState before = states[i];
     marcher.put_state(i, states[i]);
     states[i].segment = before.segment;
     states[i].epoch = before.epoch;
     if (pixels != nullptr) pixels[i].add_counts(marcher.pixel(i));
   });
+  return stubs;
 }
 
 }  // namespace
 
-void march_object(const ObjectView& object, std::uint32_t pass, const RaysOfTile& tile,
-                  const ActiveRays& rays, RayState* states, PreviewPixel* pixels, exec::Deadline deadline) {
-  with_children(object.n, [&](auto n) {
-    march_object_of<decltype(n)::value>(object, pass, tile, rays, states, pixels, deadline);
+ActiveRays march_object(const ObjectView& object, std::uint32_t pass, const RaysOfTile& tile,
+                        const ActiveRays& rays, RayState* states, PreviewPixel* pixels,
+                        exec::Deadline deadline) {
+  return with_children(object.n, [&](auto n) {
+    return march_object_of<decltype(n)::value>(object, pass, tile, rays, states, pixels, deadline);
   });
 }
 

@@ -37,8 +37,10 @@ struct RaysOfTile {
 
 /// Marches some rays of a tile through one object of several, from their states on, which have a place for
 /// each ray of a whole tile. A ray that is through is finished. To `pixels`, for previews, is added what they
-/// wanted. A thread does one at a time.
-void march_object(const ObjectView& object, std::uint32_t pass, const RaysOfTile& tile,
-                  const ActiveRays& rays, RayState* states, PreviewPixel* pixels, exec::Deadline deadline);
+/// wanted. Returns the rays that it has left as they are, since they must be marched by themselves: of
+/// projections those that have no whole step in the object. A thread does one at a time.
+ActiveRays march_object(const ObjectView& object, std::uint32_t pass, const RaysOfTile& tile,
+                        const ActiveRays& rays, RayState* states, PreviewPixel* pixels,
+                        exec::Deadline deadline);
 
 }  // namespace gvx::render
