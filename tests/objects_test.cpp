@@ -1,6 +1,7 @@
 // Scenes of several objects: what overlaps is seen together, in order along each ray.
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -10,6 +11,9 @@
 
 #include <gtest/gtest.h>
 
+#include "gvx/engine/cache.h"
+#include "gvx/engine/viewer.h"
+#include "gvx/engine/world.h"
 #include "gvx/render/reference/object_ray.h"
 #include "gvx/render/tile/object_tiles.h"
 #include "object_scenes.h"
@@ -190,6 +194,35 @@ TEST(Objects, are_named_where_half_of_a_pixel_is_seen) {
       overlapping.next_pass(), 75 - 1.2 * 80 / (8 * std::tan(15 * M_PI / 180)) - 0.5, 39.5, 0.5f);
   EXPECT_TRUE(reach.object == 0 || reach.object == 2);
   EXPECT_LE(reach.distance, std::hypot(4, 1.2) - radius + 0.01);
+}
+
+TEST(Objects, of_a_world_are_what_a_viewer_renders) {
+  ObjectScene scene = random_scene(29, 5, 0.5);
+  scene.objects[1].view.mode = scene::Mode::maximum;
+  scene.objects[4].view.mode = scene::Mode::isosurface;
+  scene.objects[4].view.isovalue = 0.7;
+  const auto cache = engine::Cache::create(exec::Device::cpu(3), {}).value();
+  std::vector<engine::Object> objects;
+  for (const SceneObject& object : scene.objects) {
+    objects.push_back({cache->open(object.producer).value(), {}, object.view});
+  }
+  engine::Viewer viewer(cache);
+  render::View view = scene.view;
+  view.lighting.enabled = false;
+  ASSERT_TRUE(viewer.look(view, engine::World::make(std::move(objects)).value()).ok());
+  while (!viewer.converged()) ASSERT_TRUE(viewer.render_for(std::chrono::milliseconds(5)).ok());
+  EXPECT_EQ(viewer.picture().rgba, ResidentScene(scene, {}).render_exact().rgba);
+
+  std::vector<std::int32_t> seen(std::size_t(view.width) * view.height);
+  std::vector<float> depth(seen.size());
+  ASSERT_TRUE(viewer.picture({.depth = {depth}, .object = {seen}}).ok());
+  std::vector<std::size_t> count(6);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    ASSERT_EQ(seen[i] < 0, std::isinf(depth[i]));
+    ++count.at(std::size_t(seen[i] + 1));
+  }
+  EXPECT_GT(count[0], 100u) << "nothing is seen";
+  EXPECT_GT(count[5], 100u) << "the surface is seen";
 }
 
 TEST(Objects, are_found_by_the_tiles_that_they_are_on) {

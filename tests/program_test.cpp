@@ -288,9 +288,14 @@ TEST_F(Program, renders_the_scene_files_of_the_documentation) {
   std::ofstream(path("scenes/still.json")) << scenes[0];
   std::ofstream(path("scenes/tour.json")) << scenes[1];
   std::ofstream(path("scenes/objects.json")) << scenes[2];
-  expect_error("render scenes/objects.json -o objects.png",
-               "objects: gvx renders scenes of one object without a transform; found 2");
-  Outcome outcome = gvx("render scenes/still.json -o still.png");
+  Outcome outcome = gvx("render scenes/objects.json -o objects.png --save-scene saved.json");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  outcome = gvx("render saved.json -o again.png");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_EQ(io::read_png(path("objects.png")).value().rgba, io::read_png(path("again.png")).value().rgba);
+  expect_error("render scenes/objects.json -o no.png --proxy nodes",
+               "--proxy: goes with a scene of one object without a transform");
+  outcome = gvx("render scenes/still.json -o still.png");
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const auto image = io::read_png(path("still.png")).value();
   EXPECT_EQ(image.width, 640u);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
@@ -10,7 +11,7 @@
 #include "commands.h"
 #include "field_flags.h"
 #include "frame_files.h"
-#include "gvx/engine/engine.h"
+#include "gvx/engine/viewer.h"
 #include "gvx/io/file_commit.h"
 #include "gvx/io/image.h"
 #include "gvx/io/mesh.h"
@@ -193,7 +194,9 @@ void report(const std::string& path, const render::View& view, const engine::Sta
 struct Studio {
   const Options& options;
   const exec::Device& device;
-  engine::Engine& engine;
+  engine::Viewer& viewer;
+  std::function<Status(const render::View&)> look;  ///< at what the scene shows
+  const produce::TreeDescription* only_tree;        ///< null: there are several objects
   bool proxy;
   Progress& progress;
 };
@@ -201,11 +204,11 @@ struct Studio {
 /// Writes the engine's picture. Says, behind `what`, why nothing can be seen in it; was that said?
 Result<bool> write_picture_of(const Studio& studio, const std::string& path, const render::View& view,
                               bool say_nothing_is_seen, const std::string& what) {
-  const render::Picture picture = studio.engine.picture();
+  const render::Picture picture = studio.viewer.picture();
   GVX_TRY(write_picture(path, picture));
-  if (!say_nothing_is_seen) return false;
+  if (!say_nothing_is_seen || studio.only_tree == nullptr) return false;
   const auto why =
-      open::why_nothing_is_seen(picture, view, studio.engine.tree(), studio.engine.converged(), studio.proxy);
+      open::why_nothing_is_seen(picture, view, *studio.only_tree, studio.viewer.converged(), studio.proxy);
   if (why) warn(what + "nothing can be seen: " + *why);
   return why.has_value();
 }
@@ -213,19 +216,19 @@ Result<bool> write_picture_of(const Studio& studio, const std::string& path, con
 /// A picture of a resting camera, exact or of budget frames.
 Result<engine::Statistics> render_still(const Studio& studio, const render::View& view) {
   const Options& o = studio.options;
-  engine::Engine& engine = studio.engine;
-  GVX_TRY(engine.look(view));
+  engine::Viewer& viewer = studio.viewer;
+  GVX_TRY(studio.look(view));
   engine::Statistics statistics;
   if (o.budget.empty()) {
-    GVX_TRY(engine.render_exact(
+    GVX_TRY(viewer.render_exact(
         [&](std::uint64_t finished, std::uint64_t all) { studio.progress.show(finished, all); }));
     studio.progress.hide();
-    statistics = engine.statistics();
+    statistics = viewer.statistics();
   } else {
     GVX_ASSIGN(const auto budget, in_flag("--budget", parse_duration(o.budget)));
-    for (int frame = 0; frame < o.budget_frames && !engine.converged(); ++frame) {
-      GVX_TRY(engine.render_for(budget));
-      statistics = sum(statistics, engine.statistics());
+    for (int frame = 0; frame < o.budget_frames && !viewer.converged(); ++frame) {
+      GVX_TRY(viewer.render_for(budget));
+      statistics = sum(statistics, viewer.statistics());
       studio.progress.show(static_cast<std::uint64_t>(frame) + 1,
                            static_cast<std::uint64_t>(o.budget_frames));
     }
@@ -243,12 +246,12 @@ Result<engine::Statistics> render_frames(const Studio& studio, render::View view
   const scene::Camera camera = view.camera;
   bool said = false;
   const auto render_frame = [&](int frame, const std::string& file) -> Result<engine::Statistics> {
-    GVX_TRY(studio.engine.look(view));
+    GVX_TRY(studio.look(view));
     // A frame counts as so many parts, of which some are done while it is rendered.
     constexpr std::uint64_t kParts = 1000;
     const auto frames_done = static_cast<std::uint64_t>(frame - frames.first);
     const std::uint64_t all_parts = kParts * static_cast<std::uint64_t>(frames.count());
-    GVX_TRY(studio.engine.render_exact([&](std::uint64_t finished, std::uint64_t all) {
+    GVX_TRY(studio.viewer.render_exact([&](std::uint64_t finished, std::uint64_t all) {
       studio.progress.show(kParts * frames_done + finished * kParts / all, all_parts);
     }));
     studio.progress.show(kParts * (frames_done + 1), all_parts);
@@ -256,7 +259,7 @@ Result<engine::Statistics> render_frames(const Studio& studio, render::View view
     const std::string what = "frame " + std::to_string(frame) + ": ";
     GVX_ASSIGN(const bool says, write_picture_of(studio, file, view, !said, what));
     said = said || says;
-    return studio.engine.statistics();
+    return studio.viewer.statistics();
   };
   engine::Statistics statistics;
   for (int frame = frames.first; frame <= frames.last; ++frame) {
@@ -329,6 +332,23 @@ Result<open::OpenScene> open_scene(const Options& o, const scene::SceneFile& sce
   return open::open_scene(scene, options);
 }
 
+/// How a viewer comes to look at what was opened: a volume by itself, or a world of objects.
+Result<std::function<Status(const render::View&)>> look_at(engine::Cache& cache, engine::Viewer& viewer,
+                                                           const open::OpenScene& opened, bool alone) {
+  using Look = std::function<Status(const render::View&)>;
+  if (alone) {
+    GVX_ASSIGN(const auto volume, cache.open(opened.volume.producer));
+    return Look([&viewer, volume](const render::View& view) { return viewer.look(view, volume); });
+  }
+  std::vector<engine::Object> objects;
+  for (const open::OpenObject& object : opened.objects) {
+    GVX_ASSIGN(auto volume, cache.open(object.volume.producer));
+    objects.push_back({std::move(volume), object.to_world, object.look});
+  }
+  GVX_ASSIGN(const auto world, engine::World::make(std::move(objects)));
+  return Look([&viewer, world](const render::View& view) { return viewer.look(view, world); });
+}
+
 Status save_scene(const Options& o, scene::SceneFile scene) {
   if (o.save_scene.empty()) return {};
   open::relate_names(scene, o.save_scene);
@@ -340,9 +360,10 @@ Status render(const Options& o) {
   if (!o.frames.empty()) {
     GVX_ASSIGN(frames, parse_frames(o.frames));
   }
-  engine::EngineOptions engine_options;
-  engine_options.warn = warn;
-  GVX_ASSIGN(engine_options.memory_bytes, in_flag("--memory", parse_bytes(o.memory)));
+  engine::CacheOptions cache_options;
+  engine::ViewerOptions viewer_options;
+  cache_options.warn = warn;
+  GVX_ASSIGN(cache_options.memory_bytes, in_flag("--memory", parse_bytes(o.memory)));
   if (!o.budget.empty()) {
     GVX_ASSIGN(const auto budget, in_flag("--budget", parse_duration(o.budget)));
     (void)budget;
@@ -352,20 +373,25 @@ Status render(const Options& o) {
   GVX_ASSIGN(const exec::Device device, open_device(o));
   GVX_ASSIGN(auto proxy, read_proxy(o));
   const open::FieldNaming naming([&](const std::string& field) { return o.flags.flag_of(field); });
-  GVX_ASSIGN(const open::OpenScene opened, open_scene(o, scene, device, engine_options.memory_bytes, naming));
+  GVX_ASSIGN(const open::OpenScene opened, open_scene(o, scene, device, cache_options.memory_bytes, naming));
   const produce::TreeDescription& tree = opened.volume.producer->description();
   const render::View& view = opened.view;
   GVX_ASSIGN(const nlohmann::json legend, legend_of(opened, naming));
   GVX_TRY(save_scene(o, opened.scene));
+  const bool alone = !open::has_placed_objects(scene);
   if (!o.proxy.empty()) {
-    GVX_ASSIGN(engine_options.proxy, make_proxy(std::move(proxy), opened));
+    if (!alone) return Error{"--proxy: goes with a scene of one object without a transform"};
+    GVX_ASSIGN(viewer_options.proxy, make_proxy(std::move(proxy), opened));
   }
-  GVX_TRY(check_memory(engine_options.memory_bytes, tree));
-  GVX_ASSIGN(const auto engine, engine::Engine::create(device, opened.volume.producer, engine_options));
+  GVX_TRY(check_memory(cache_options.memory_bytes, tree));
+  GVX_ASSIGN(const auto cache, engine::Cache::create(device, cache_options));
+  engine::Viewer viewer(cache, viewer_options);
+  GVX_ASSIGN(const auto look, look_at(*cache, viewer, opened, alone));
   // A frame is done in parts, and those of a budget are few: only the share that is done says anything.
   const bool counts_rays = !frames && o.budget.empty();
   Progress progress("rendering", counts_rays ? Progress::Unit::rays : Progress::Unit::none, o.quiet);
-  const Studio studio{o, device, *engine, engine_options.proxy != nullptr, progress};
+  const Studio studio{o,       device, viewer, look, alone ? &tree : nullptr, viewer_options.proxy != nullptr,
+                      progress};
   GVX_ASSIGN(const engine::Statistics statistics,
              frames ? render_frames(studio, view, *frames, opened.path) : render_still(studio, view));
   if (!o.stats.empty()) {
@@ -374,7 +400,7 @@ Status render(const Options& o) {
     const std::string text = stats.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
     GVX_TRY(write_text("--stats", o.stats, text + "\n"));
   }
-  const std::string guess = guess_of_up(opened.scene, tree);
+  const std::string guess = alone ? guess_of_up(opened.scene, tree) : "";
   if (!guess.empty() && !o.quiet) std::printf("%s\n", one_line(guess).c_str());
   if (!frames && !o.quiet) {
     report(o.output, view, statistics, device);

@@ -56,12 +56,13 @@ Status Viewer::look(const render::View& view, const std::shared_ptr<Volume>& vol
 
 Status Viewer::look(const render::View& view, std::shared_ptr<const World> world) {
   if (world == nullptr) return Error{"world: none given"};
-  GVX_TRY(render::check_objects(cache_->device(), world->objects().size()));
+  GVX_TRY(render::check_objects(cache_->device(), world->objects().size(), world->projecting()));
   if (view_ && *view_ == view && seen_.shared_world() == world) return {};
   GVX_ASSIGN(auto frames, WorldFrames::make(cache_->device(), view, *world, frames_ ? &*frames_ : nullptr));
   const bool other_size = !view_ || view_->width != view.width || view_->height != view.height ||
-                          view_->antialias != view.antialias;
-  if (other_size) GVX_TRY(make_film(view));
+                          view_->antialias != view.antialias ||
+                          world->projecting() != this->world().projecting();
+  if (other_size) GVX_TRY(make_film(view, world->projecting()));
   ahead_.view_changed(view_, view);
   if (view_ && seen_.shared_world() != world && !(view_->sees_like(view) && world->objects().size() == 1))
     ahead_.stop();
@@ -85,9 +86,10 @@ Status Viewer::look(const render::View& view, std::shared_ptr<const World> world
   return {};
 }
 
-Status Viewer::make_film(const render::View& view) {
+Status Viewer::make_film(const render::View& view, std::uint32_t projecting) {
   try {
-    render::Film film(cache_->device(), view.width * view.antialias, view.height * view.antialias);
+    render::Film film(cache_->device(), view.width * view.antialias, view.height * view.antialias,
+                      projecting);
     ExactRays exact(cache_->device(), film.grid().tiles());
     PreviewRays preview(cache_->device(), film.grid());
     film_ = std::move(film);
@@ -150,6 +152,7 @@ render::Pass Viewer::pass(const WorldFrames& frames) {
   pass.one_ray_at_a_time = options_.one_ray_at_a_time;
   pass.epoch = film_->epoch();
   pass.blank_tiles = film_->blank_tiles();
+  pass.projections = film_->projections();
   return pass;
 }
 
@@ -467,34 +470,39 @@ render::Picture Viewer::picture() const {
 Status Viewer::picture(const render::PictureTarget& target) {
   if (!film_) return kNoView;
   GVX_TRY(render::check(target, view_->width, view_->height));
-  const bool deep = std::all_of(world().objects().begin(), world().objects().end(), [](const Object& object) {
-    return object.shown.mode == scene::Mode::composite || object.shown.mode == scene::Mode::isosurface;
-  });
-  if (!target.depth.values.empty() && !deep) {
-    return Error{"picture: depth: only modes composite and isosurface have one"};
-  }
+  const bool wants_reach = !target.depth.values.empty() || !target.object.values.empty();
+  const bool deep = world().objects().size() > 1 || !scene::projects(world().objects()[0].shown.mode);
+  if (wants_reach && !deep) return Error{"picture: depth: only modes composite and isosurface have one"};
   film_->develop(host(), development(), target);
-  if (!target.depth.values.empty()) write_depth(target.depth);
+  if (wants_reach) write_reach(target);
   return {};
 }
 
-void Viewer::write_depth(const render::PictureRows<float>& depth) {
+void Viewer::write_reach(const render::PictureTarget& target) {
   constexpr float kHalf = 0.5f;
   const exec::FairMutex::Turn turn = cache_->take_turn();
   const std::uint32_t width = view_->width, rays = view_->antialias;
-  const std::size_t stride = depth.stride > 0 ? depth.stride : width;
-  const render::Pass all = pass(shown_frames());
+  const WorldFrames& frames = shown_frames();
+  const render::Pass all = pass(frames);
   const scene::CameraView& camera = all.objects[0].frame.camera;
+  const auto put = [&](const auto& rows, std::size_t x, std::size_t y, auto value) {
+    if (!rows.values.empty()) rows.values[y * (rows.stride > 0 ? rows.stride : width) + x] = value;
+  };
   exec::parallel_for(host(), view_->height, [&](std::size_t y) {
     for (std::uint32_t x = 0; x < width; ++x) {
       double along_view = INFINITY;
+      std::int32_t object = -1;
       if (film_->opacity(rays, x, static_cast<std::uint32_t>(y)) >= kHalf) {
         const auto middle = [&](double pixel) { return pixel * rays + 0.5 * (rays - 1); };
         const double ray_x = middle(x), ray_y = middle(static_cast<double>(y));
-        const double distance = render::reach(all, ray_x, ray_y, kHalf).distance;
-        along_view = distance * dot(camera.pixel_ray_from_eye(ray_x, ray_y).direction, camera.forward);
+        const render::RayReach reach = render::reach(all, ray_x, ray_y, kHalf);
+        along_view = reach.distance * dot(camera.pixel_ray_from_eye(ray_x, ray_y).direction, camera.forward);
+        if (reach.object >= 0) {
+          object = static_cast<std::int32_t>(frames.object(static_cast<std::size_t>(reach.object)));
+        }
       }
-      depth.values[y * stride + x] = static_cast<float>(along_view);
+      put(target.depth, x, y, static_cast<float>(along_view));
+      put(target.object, x, y, object);
     }
   });
 }

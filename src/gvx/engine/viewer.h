@@ -78,7 +78,7 @@ class Viewer {
   Statistics statistics() const;
 
  private:
-  Status make_film(const render::View& view);
+  Status make_film(const render::View& view, std::uint32_t projecting);
   Status look_coarsely();
   void cut_rays();
   render::Pass pass(const WorldFrames& frames);
@@ -86,7 +86,7 @@ class Viewer {
   const World& world() const { return seen_.world(); }
   exec::Device host() const;
   render::Film::Development development() const;
-  void write_depth(const render::PictureRows<float>& depth);
+  void write_reach(const render::PictureTarget& target);
   int levels() const;
   Status out_of_memory() const;
 

@@ -28,6 +28,7 @@ void World::add(Object object) {
   });
   kind_of_.push_back(static_cast<std::size_t>(same - kinds_.begin()));
   if (same == kinds_.end()) kinds_.push_back({index, objects_.size()});
+  projecting_ += scene::projects(object.shown.mode) ? 1 : 0;
   tree::TreeDescription tree = object.volume->tree();
   tree.histograms.clear();
   tree.tree_to_world = object.transform * tree.tree_to_world;

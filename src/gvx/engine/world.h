@@ -36,6 +36,9 @@ class World {
   /// The volumes, each once.
   std::span<Volume* const> volumes() const { return volumes_; }
 
+  /// How many of several objects show a greatest, least or mean value.
+  std::uint32_t projecting() const { return objects_.size() > 1 ? projecting_ : 0; }
+
   /// A volume and a way to show it, which some objects have in common.
   struct Kind {
     std::size_t volume = 0;  ///< in volumes()
@@ -55,6 +58,7 @@ class World {
   std::vector<Volume*> volumes_;
   std::vector<Kind> kinds_;
   std::vector<std::size_t> kind_of_;
+  std::uint32_t projecting_ = 0;
 };
 
 }  // namespace gvx::engine

@@ -1,5 +1,6 @@
 #include "gvx/open/cameras.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -77,6 +78,16 @@ Status check_view(const scene::Camera& camera) {
   return {};
 }
 
+/// With this framing.
+Status complete_cameras(scene::SceneFile& scene, const scene::Framing& framing) {
+  GVX_ASSIGN(const StatedCamera stated, stated_camera(scene, framing));
+  for (scene::KeyFrameParts& key : scene.camera_path)
+    key.camera = scene::CameraParts(key_camera(key, stated));
+  if (scene.camera_path.empty()) GVX_TRY(check_view(stated.camera));
+  scene.camera = scene::CameraParts(stated.camera);
+  return {};
+}
+
 }  // namespace
 
 Status check_cameras(const scene::SceneFile& scene) {
@@ -102,12 +113,30 @@ Status check_cameras(const scene::SceneFile& scene) {
 
 Status complete_cameras(scene::SceneFile& scene, const OpenVolume& volume, const FieldNaming& naming) {
   GVX_ASSIGN(const scene::Framing framing, framing_of(scene, volume, naming));
-  GVX_ASSIGN(const StatedCamera stated, stated_camera(scene, framing));
-  for (scene::KeyFrameParts& key : scene.camera_path)
-    key.camera = scene::CameraParts(key_camera(key, stated));
-  if (scene.camera_path.empty()) GVX_TRY(check_view(stated.camera));
-  scene.camera = scene::CameraParts(stated.camera);
-  return {};
+  return complete_cameras(scene, framing);
+}
+
+Status complete_cameras(scene::SceneFile& scene, const std::vector<PlacedBox>& boxes) {
+  scene::Framing framing;
+  for (const PlacedBox& placed : boxes) {
+    for (int corner = 0; corner < 8; ++corner) {
+      Vec3d p;
+      for (int axis = 0; axis < 3; ++axis) {
+        p[axis] = (corner >> axis & 1) != 0 ? placed.box.maximum[axis] : placed.box.minimum[axis];
+      }
+      framing.points.push_back(placed.to_world.point(p));
+    }
+  }
+  framing.box = {framing.points[0], framing.points[0]};
+  for (const Vec3d& p : framing.points) {
+    for (int axis = 0; axis < 3; ++axis) {
+      framing.box.minimum[axis] = std::min(framing.box.minimum[axis], p[axis]);
+      framing.box.maximum[axis] = std::max(framing.box.maximum[axis], p[axis]);
+    }
+  }
+  framing.stance = scene::stance_of(scene.up_axis.value_or(UpAxis::z), false);
+  framing.aspect = double(*scene.width) / double(*scene.height);
+  return complete_cameras(scene, framing);
 }
 
 Result<std::optional<scene::CameraPath>> camera_path(const scene::SceneFile& scene) {

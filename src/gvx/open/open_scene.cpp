@@ -55,14 +55,8 @@ scene::SceneFile scene_of(const scene::SceneFile& scene, const scene::ObjectPart
 }
 
 /// The scene itself, or that of its only object.
-Result<scene::SceneFile> scene_of_one(const scene::SceneFile& scene) {
-  if (scene.objects.empty()) return scene;
-  const bool several = scene.objects.size() > 1;
-  if (several || scene.objects[0].transform != scene::TransformParts()) {
-    return Error{"objects: gvx renders scenes of one object without a transform; found " +
-                 (several ? std::to_string(scene.objects.size()) + " objects" : "a transform")};
-  }
-  return scene_of(scene, scene.objects[0]);
+scene::SceneFile scene_of_one(const scene::SceneFile& scene) {
+  return scene.objects.empty() ? scene : scene_of(scene, scene.objects[0]);
 }
 
 bool name_the_same_volume(const scene::ObjectParts& a, const scene::ObjectParts& b) {
@@ -100,23 +94,62 @@ Result<OpenScene> show(OpenVolume volume, scene::SceneFile scene, const OpenOpti
   GVX_ASSIGN(opened.view, make_view(scene, volume, options.naming));
   if (opened.path) opened.view.camera = opened.path->key_frames().front().camera;
   warn_of_close_points(volume.producer->description(), opened.view.functions, options.warn);
+  opened.objects = {{volume, opened.view, {}}};
   opened.volume = std::move(volume);
+  opened.scene = std::move(scene);
+  return opened;
+}
+
+/// Several objects, or one that is moved.
+Result<OpenScene> open_placed_objects(scene::SceneFile scene, const OpenOptions& options) {
+  OpenScene opened;
+  GVX_ASSIGN(opened.objects, open_objects(scene, options));
+  opened.volume = opened.objects[0].volume;
+  // What the objects have in common is completed as that of the first.
+  scene::SceneFile first = scene_of_one(scene);
+  GVX_TRY(complete_look(first, opened.volume, options.naming));
+  std::vector<PlacedBox> boxes;
+  for (const OpenObject& object : opened.objects) {
+    const produce::TreeDescription& tree = object.volume.producer->description();
+    const Vec3d size = tree.extent.maximum - tree.extent.minimum;
+    const Box3d clip{tree.extent.minimum + object.look.clip.minimum * size,
+                     tree.extent.minimum + object.look.clip.maximum * size};
+    boxes.push_back(
+        {intersect(tree.bounds.value_or(tree.extent), clip), object.to_world * tree.tree_to_world});
+  }
+  GVX_TRY(complete_cameras(first, boxes));
+  GVX_ASSIGN(opened.path, camera_path(first));
+  GVX_ASSIGN(opened.view, make_view(first, opened.volume, options.naming));
+  if (opened.path) opened.view.camera = opened.path->key_frames().front().camera;
+  for (const OpenObject& object : opened.objects) {
+    warn_of_close_points(object.volume.producer->description(), object.look.functions, options.warn);
+  }
+  scene.camera = first.camera;
+  scene.camera_path = first.camera_path;
   opened.scene = std::move(scene);
   return opened;
 }
 
 }  // namespace
 
+bool has_placed_objects(const scene::SceneFile& scene) {
+  return scene.objects.size() > 1 ||
+         (scene.objects.size() == 1 && scene.objects[0].transform != scene::TransformParts());
+}
+
 Result<OpenScene> open_scene(const scene::SceneFile& scene, const OpenOptions& options) {
-  GVX_ASSIGN(const scene::SceneFile one, scene_of_one(scene));
+  const scene::SceneFile one = scene_of_one(scene);
   GVX_TRY(check_before_opening(one, options));
+  if (has_placed_objects(scene)) return open_placed_objects(scene, options);
   GVX_ASSIGN(OpenVolume volume, open_volume_of(one, options));
   return show(std::move(volume), one, options);
 }
 
 Result<OpenScene> look_at(const OpenVolume& volume, const scene::SceneFile& scene,
                           const OpenOptions& options) {
-  GVX_ASSIGN(const scene::SceneFile one, scene_of_one(scene));
+  if (has_placed_objects(scene))
+    return Error{"objects: a single volume is shown by itself; expected one object"};
+  const scene::SceneFile one = scene_of_one(scene);
   GVX_TRY(check_before_opening(one, options));
   return show(volume, one, options);
 }

@@ -149,8 +149,12 @@ TEST_F(Opening, objects_share_a_volume_that_they_name_alike) {
   EXPECT_EQ(objects[2].to_world.point({1, 2, 3}), Vec3d(-2, -4, -6));
   const std::size_t built = work_.size();
   EXPECT_GT(built, 0u);
-  expect_error(open_scene(scene, options_), "objects: gvx renders scenes of one object without a transform");
+  expect_error(look_at(objects[0].volume, scene, options_),
+               "objects: a single volume is shown by itself; expected one object");
   EXPECT_EQ(work_.size(), built);
+  const OpenScene opened = open_scene(scene, options_).value();
+  EXPECT_EQ(opened.objects.size(), 3u);
+  EXPECT_GT(length(opened.view.camera.eye - opened.view.camera.target), 1) << "all objects are framed";
 }
 
 TEST_F(Opening, a_single_object_is_a_scene) {

@@ -83,7 +83,7 @@ PreviewPixel preview_ray(const Pass& pass, double x, double y) {
 }
 
 RayReach reach(const Pass& pass, double x, double y, float opacity) {
-  if (pass.objects.size() > 1) return SceneRay(pass, x, y).reach(opacity);
+  if (pass.objects.size() > 1 || projects(pass.object().frame)) return SceneRay(pass, x, y).reach(opacity);
   const auto march = march_of(pass.object(), pass.number);
   march->begin(x, y);
   RayState state;

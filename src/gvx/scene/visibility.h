@@ -23,6 +23,11 @@ GVX_HD constexpr bool seeks_extreme(Mode mode) {
   return mode == Mode::maximum || mode == Mode::minimum;
 }
 
+/// Does it show one value of all those along a ray?
+GVX_HD constexpr bool projects(Mode mode) {
+  return seeks_extreme(mode) || mode == Mode::mean;
+}
+
 /// How values along a ray become matter, where it is composited.
 enum class Classification : std::uint32_t {
   preintegrated,  ///< a step is the mean matter of all values that it goes through: thin layers are not
