@@ -54,9 +54,10 @@ std::size_t stable_partition(const Device& device, BufferView<std::uint32_t> ite
   if (items.size == 0) return 0;
   return with_policy(device, items.size, [&](auto policy) {
     thrust::copy(policy, items.begin(), items.end(), scratch.begin());
-    const auto middle =
-        thrust::copy_if(policy, scratch.begin(), scratch.begin() + items.size, flags.begin(), items.begin(), IsZero{});
-    thrust::copy_if(policy, scratch.begin(), scratch.begin() + items.size, flags.begin(), middle, IsNonzero{});
+    const auto middle = thrust::copy_if(policy, scratch.begin(), scratch.begin() + items.size, flags.begin(),
+                                        items.begin(), IsZero{});
+    thrust::copy_if(policy, scratch.begin(), scratch.begin() + items.size, flags.begin(), middle,
+                    IsNonzero{});
     return static_cast<std::size_t>(middle - items.begin());
   });
 }
