@@ -1,6 +1,6 @@
 /// \file
 /// PassClock: numbers the passes of all viewers, and knows since which pass what was stamped is in use: by
-/// the last pass of any viewer that still marches.
+/// the last pass of any viewer that still marches. A viewer that has not marched for long counts no more.
 #pragma once
 
 #include <algorithm>
@@ -36,9 +36,15 @@ class PassClock {
   /// What this pass or a later one has stamped is in use.
   std::uint32_t in_use_since() const {
     std::uint32_t since = now_ + 1;
-    for (const std::uint32_t pass : last_) since = std::min(since, pass);
+    for (const std::uint32_t pass : last_) {
+      const bool marches = pass <= now_ && now_ - pass <= kPatience;
+      if (marches) since = std::min(since, pass);
+    }
     return since;
   }
+
+  /// So many passes of others after its own a walker is taken to be at rest.
+  static constexpr std::uint32_t kPatience = 256;
 
  private:
   static constexpr std::uint32_t kAtRest = UINT32_MAX - 1, kNone = UINT32_MAX;

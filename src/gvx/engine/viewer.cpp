@@ -258,6 +258,15 @@ Status Viewer::render_exact(const RayProgress& progress) {
   exec::FairMutex::Turn turn = cache_->take_turn();
   begin_frame();
   cache_->want(*client_, produce::Tier::ahead, {});
+  const Status status = march_to_the_end(turn, progress);
+  // What was wanted when something failed is nobody's concern now.
+  if (!status.ok()) cache_->want(*client_, produce::Tier::visible, {});
+  cache_->rest(*client_);
+  statistics_.frame_milliseconds = timer_.milliseconds();
+  return status;
+}
+
+Status Viewer::march_to_the_end(exec::FairMutex::Turn& turn, const RayProgress& progress) {
   while (!exact_->finished()) {
     begin_pass();
     march_exactly(exec::no_deadline(), progress);  // render
@@ -279,8 +288,6 @@ Status Viewer::render_exact(const RayProgress& progress) {
       report(progress);
     }
   }
-  cache_->rest(*client_);
-  statistics_.frame_milliseconds = timer_.milliseconds();
   return {};
 }
 

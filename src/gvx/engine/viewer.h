@@ -94,6 +94,7 @@ class Viewer {
   void begin_frame();
   void begin_pass() { cache_->begin_pass(*client_); }
   Status show_roots(exec::FairMutex::Turn& turn);
+  Status march_to_the_end(exec::FairMutex::Turn& turn, const RayProgress& progress);
   void march_exactly(exec::Deadline deadline, const RayProgress& progress);
   Status draw_coarsely(std::chrono::nanoseconds budget, exec::Deadline deadline);
   void ask();
