@@ -8,7 +8,7 @@ install(TARGETS gvx_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
 # What a program includes by name. GvxInstallHeaders.cmake installs these and whatever they include, and nothing else.
 set(public_headers
-  engine/engine.h
+  engine/engine.h engine/renderer.h
   core/noise.h
   io/image.h io/label_table_file.h io/mesh.h io/mesh_parts.h io/raw.h io/store_build.h io/transfer_function_file.h io/volume_reader.h
   open/file_names.h open/functions.h open/nothing_seen.h open/open_scene.h

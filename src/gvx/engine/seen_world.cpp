@@ -4,6 +4,8 @@
 #include <atomic>
 #include <utility>
 
+#include "gvx/render/tile/object_tiles.h"
+
 namespace gvx::engine {
 
 Result<WorldFrames> WorldFrames::make(const exec::Device& device, const render::View& view,
@@ -44,6 +46,12 @@ const render::Frame* WorldFrames::like(const Volume* volume, std::size_t kind) c
     if (of_volume == nullptr) of_volume = &known.frame;
   }
   return of_volume;
+}
+
+SeenWorld::SeenWorld() = default;
+
+SeenWorld::~SeenWorld() {
+  end();
 }
 
 void SeenWorld::detach(std::vector<SeenKind>& kinds) {
@@ -118,10 +126,10 @@ std::span<const render::ObjectView> SeenWorld::views(const WorldFrames& frames, 
 const render::ObjectTiles* SeenWorld::tiles(const WorldFrames& frames) {
   if (frames.size() == 1) return nullptr;
   if (tiles_of_ != frames.id()) {
-    tiles_.emplace(views_);
+    tiles_ = std::make_unique<const render::ObjectTiles>(views_);
     tiles_of_ = frames.id();
   }
-  return &*tiles_;
+  return tiles_.get();
 }
 
 }  // namespace gvx::engine

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,7 +15,6 @@
 #include "gvx/exec/device.h"
 #include "gvx/render/frame/frame.h"
 #include "gvx/render/march_pass.h"
-#include "gvx/render/tile/object_tiles.h"
 
 namespace gvx::engine {
 
@@ -53,8 +51,8 @@ class WorldFrames {
 /// Its looks are attached to the residencies of the volumes: whoever changes or ends it has the cache's turn.
 class SeenWorld {
  public:
-  SeenWorld() = default;
-  ~SeenWorld() { end(); }
+  SeenWorld();
+  ~SeenWorld();
   SeenWorld(const SeenWorld&) = delete;
   SeenWorld& operator=(const SeenWorld&) = delete;
 
@@ -92,7 +90,7 @@ class SeenWorld {
   std::vector<SeenKind> looks_;  // of the world's kinds
   std::vector<render::ObjectView> views_;
   std::uint64_t tiles_of_ = 0;  // frames
-  std::optional<render::ObjectTiles> tiles_;
+  std::unique_ptr<const render::ObjectTiles> tiles_;
 };
 
 }  // namespace gvx::engine
