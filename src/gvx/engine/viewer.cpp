@@ -258,7 +258,7 @@ Status Viewer::render_exact(const RayProgress& progress) {
   exec::FairMutex::Turn turn = cache_->take_turn();
   begin_frame();
   cache_->want(*client_, produce::Tier::ahead, {});
-  const Status status = march_to_the_end(turn, progress);
+  Status status = march_to_the_end(turn, progress);
   // What was wanted when something failed is nobody's concern now.
   if (!status.ok()) cache_->want(*client_, produce::Tier::visible, {});
   cache_->rest(*client_);
