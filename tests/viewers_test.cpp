@@ -86,24 +86,31 @@ TEST(Viewers, with_other_functions_and_cameras_see_what_they_see_alone) {
   }
 }
 
-/// Eight viewers on threads of their own, that come, look, change their minds, and leave.
-void expect_pictures_as_alone(const PoolSizes& pools, std::uint32_t seed, int looks,
-                              std::uint32_t smaller = 1) {
+/// How viewers on threads of their own are tried.
+struct Trial {
+  PoolSizes pools;
+  std::uint32_t seed;
+  int looks;
+  std::uint32_t smaller = 1;  ///< by which pictures are
+  std::uint32_t viewers = 8;
+};
+
+/// Viewers that come, look, change their minds, and leave.
+void expect_pictures_as_alone(const Trial& trial) {
   const TestScene scene = two_viewers_scene();
-  const Shared shared(scene, pools);
-  constexpr std::uint32_t kViewers = 8;
-  std::vector<render::View> views(kViewers);
-  std::vector<render::Picture> pictures(kViewers);
-  std::vector<Status> statuses(kViewers);
+  const Shared shared(scene, trial.pools);
+  std::vector<render::View> views(trial.viewers);
+  std::vector<render::Picture> pictures(trial.viewers);
+  std::vector<Status> statuses(trial.viewers);
   std::vector<std::thread> threads;
-  for (std::uint32_t v = 0; v < kViewers; ++v) {
+  for (std::uint32_t v = 0; v < trial.viewers; ++v) {
     threads.emplace_back([&, v] {
-      std::mt19937 generator(seed + v);
+      std::mt19937 generator(trial.seed + v);
       Viewer viewer(shared.cache);
-      for (int look = 0; look < looks && statuses[v].ok(); ++look) {
+      for (int look = 0; look < trial.looks && statuses[v].ok(); ++look) {
         views[v] = random_view(scene, generator);
-        views[v].width /= smaller;
-        views[v].height /= smaller;
+        views[v].width /= trial.smaller;
+        views[v].height /= trial.smaller;
         statuses[v] = viewer.look(views[v], shared.volume);
         if (statuses[v].ok() && generator() % 2 == 0) statuses[v] = viewer.render_for(2ms);
       }
@@ -113,22 +120,26 @@ void expect_pictures_as_alone(const PoolSizes& pools, std::uint32_t seed, int lo
   }
   for (std::thread& thread : threads) thread.join();
   shared.volume->residency().check_invariants();
-  for (std::uint32_t v = 0; v < kViewers; ++v) {
+  for (std::uint32_t v = 0; v < trial.viewers; ++v) {
     ASSERT_TRUE(statuses[v].ok()) << v << ": " << statuses[v].error().message;
-    EXPECT_EQ(pictures[v].rgba, alone(scene, views[v]).rgba) << "viewer " << v << ", seed " << seed;
+    EXPECT_EQ(pictures[v].rgba, alone(scene, views[v]).rgba) << "viewer " << v << ", seed " << trial.seed;
   }
 }
 
 TEST(Viewers, eight_at_random_see_what_they_see_alone) {
-  expect_pictures_as_alone({4096, 4000}, 1, 4);
+  expect_pictures_as_alone({{4096, 4000}, 1, 4});
 }
 
 TEST(Viewers, eight_at_random_see_what_they_see_alone_where_memory_is_small) {
-  expect_pictures_as_alone({80, 40}, 2, 3);
+  expect_pictures_as_alone({{80, 40}, 2, 3});
 }
 
 TEST(Viewers, eight_at_random_see_what_they_see_alone_where_memory_is_tiny) {
-  expect_pictures_as_alone({14, 5}, 3, 1, 8);
+  expect_pictures_as_alone({{14, 5}, 3, 1, 8});
+}
+
+TEST(Viewers, three_at_random_see_what_they_see_alone) {
+  expect_pictures_as_alone({{120, 80}, 4, 2, 3, 3});
 }
 
 TEST(Viewers, what_one_has_loaded_the_other_need_not) {
