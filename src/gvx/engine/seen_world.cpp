@@ -13,6 +13,7 @@ Result<WorldFrames> WorldFrames::make(const exec::Device& device, const render::
   static std::atomic<std::uint64_t> made{0};
   WorldFrames frames;
   frames.id_ = ++made;
+  frames.first_of_kind_.assign(world.kinds().size(), kNone);
   GVX_ASSIGN(const scene::CameraView camera,
              scene::make_view(view.camera, view.width * view.antialias, view.height * view.antialias));
   const std::span<const Object> objects = world.objects();
@@ -21,8 +22,6 @@ Result<WorldFrames> WorldFrames::make(const exec::Device& device, const render::
     if (!only_one_left && world.out_of_sight(i, camera)) continue;
     const Volume* volume = objects[i].volume.get();
     const render::Frame* like = frames.like(volume, world.kind(i));
-    const bool first_of_kind =
-        like == nullptr || frames.frames_[frames.of_kinds_.back()].kind != world.kind(i);
     if (like == nullptr && previous != nullptr) like = previous->like(volume, world.kind(i));
     render::View of_object = view;
     static_cast<render::ObjectLook&>(of_object) = objects[i].shown;
@@ -31,21 +30,22 @@ Result<WorldFrames> WorldFrames::make(const exec::Device& device, const render::
       if (objects.size() == 1) return frame.error();
       return Error{"objects[" + std::to_string(i) + "]: " + frame.error().message};
     }
-    if (first_of_kind) frames.of_kinds_.push_back(frames.frames_.size());
-    frames.frames_.push_back({i, world.kind(i), volume, std::move(frame.value())});
+    std::size_t& first = frames.first_of_kind_[world.kind(i)];
+    if (first == kNone) first = frames.frames_.size();
+    frames.frames_.push_back({i, volume, std::move(frame.value())});
   }
   return frames;
 }
 
 const render::Frame* WorldFrames::like(const Volume* volume, std::size_t kind) const {
-  const render::Frame* of_volume = nullptr;
-  for (const std::size_t first : of_kinds_) {
-    const ObjectFrame& known = frames_[first];
-    if (known.volume != volume) continue;
-    if (known.kind == kind) return &known.frame;
-    if (of_volume == nullptr) of_volume = &known.frame;
+  const auto shows_volume = [&](std::size_t first) {
+    return first != kNone && frames_[first].volume == volume;
+  };
+  if (kind < first_of_kind_.size() && shows_volume(first_of_kind_[kind])) {
+    return &frames_[first_of_kind_[kind]].frame;
   }
-  return of_volume;
+  const auto of_volume = std::find_if(first_of_kind_.begin(), first_of_kind_.end(), shows_volume);
+  return of_volume == first_of_kind_.end() ? nullptr : &frames_[*of_volume].frame;
 }
 
 SeenWorld::SeenWorld() = default;

@@ -35,7 +35,7 @@ class WorldFrames {
 
  private:
   struct ObjectFrame {
-    std::size_t object, kind;
+    std::size_t object;
     const Volume* volume;
     render::Frame frame;
   };
@@ -44,7 +44,8 @@ class WorldFrames {
   const render::Frame* like(const Volume* volume, std::size_t kind) const;
 
   std::vector<ObjectFrame> frames_;
-  std::vector<std::size_t> of_kinds_;  // the first frame of each kind that is in sight
+  static constexpr std::size_t kNone = SIZE_MAX;
+  std::vector<std::size_t> first_of_kind_;  // in frames_, of each of the world's kinds; kNone: out of sight
   std::uint64_t id_ = 0;
 };
 

@@ -435,8 +435,9 @@ Statistics Viewer::statistics() const {
   Statistics s = statistics_;
   const render::FilmTotals totals = film_ ? film_->totals() : render::FilmTotals{};
   produce::ProductionTimes times;
+  // Other viewers' commits count, too, what was made for this one.
+  exec::FairMutex::Turn turn = cache_->take_turn();
   for (const Volume* volume : view_ ? world().volumes() : std::span<Volume* const>()) {
-    const exec::FairMutex::Turn turn = cache_->take_turn();
     s.bricks_resident += volume->residency().resident_bricks();
     s.nodes_resident += volume->residency().resident_nodes();
     s.bricks_beyond_bounds += volume->broken_bounds();
@@ -446,6 +447,7 @@ Statistics Viewer::statistics() const {
   }
   s.bricks_produced = client_->bricks_made;
   s.bricks_evicted = client_->bricks_evicted;
+  turn.end();
   s.samples = totals.samples;
   s.converged = converged();
   const double wanted = static_cast<double>(std::max<std::uint64_t>(totals.wanted, 1));
