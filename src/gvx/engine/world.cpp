@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "gvx/core/box_corner.h"
+
 namespace gvx::engine {
 
 Result<std::shared_ptr<const World>> World::make(std::vector<Object> objects) {
@@ -42,10 +44,7 @@ bool World::out_of_sight(std::size_t object, const scene::CameraView& camera) co
   // Behind the eye, and beyond each side of the picture: is every corner?
   bool behind = !camera.orthographic, left = true, right = true, above = true, below = true;
   for (int corner = 0; corner < 8; ++corner) {
-    Vec3d p;
-    for (int axis = 0; axis < 3; ++axis) {
-      p[axis] = (corner >> axis & 1) != 0 ? tree.extent.maximum[axis] : tree.extent.minimum[axis];
-    }
+    const Vec3d p = box_corner(tree.extent, corner);
     const Vec3d d = tree.tree_to_world.point(p) - camera.eye;
     const double x = dot(d, camera.right), y = dot(d, camera.up), z = dot(d, camera.forward);
     const double across = camera.orthographic ? wide : z * wide, up = camera.orthographic ? high : z * high;

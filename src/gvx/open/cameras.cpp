@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "gvx/core/box_corner.h"
 #include "gvx/open/scene_view.h"
 #include "gvx/open/visible_bounds.h"
 #include "gvx/render/frame/frame.h"
@@ -25,7 +26,7 @@ Result<VisibleBounds> visible_part(const scene::SceneFile& scene, const OpenVolu
       intersect(all, Box3d{corner + scene.clip->minimum * size, corner + scene.clip->maximum * size});
   if (shown.empty()) return VisibleBounds{all, {}};
   // What is made, not stored, tells less than what it will be.
-  if (!tree.exact_ranges || is_projection(*scene.mode)) return VisibleBounds{shown, {}};
+  if (!tree.exact_ranges || scene::projects(*scene.mode)) return VisibleBounds{shown, {}};
   scene::SceneFile seen_somehow = scene;
   seen_somehow.camera = scene::CameraParts(scene::Camera());
   GVX_ASSIGN(const render::View view, make_view(seen_somehow, volume, naming));
@@ -120,11 +121,7 @@ Status complete_cameras(scene::SceneFile& scene, const std::vector<PlacedBox>& b
   scene::Framing framing;
   for (const PlacedBox& placed : boxes) {
     for (int corner = 0; corner < 8; ++corner) {
-      Vec3d p;
-      for (int axis = 0; axis < 3; ++axis) {
-        p[axis] = (corner >> axis & 1) != 0 ? placed.box.maximum[axis] : placed.box.minimum[axis];
-      }
-      framing.points.push_back(placed.to_world.point(p));
+      framing.points.push_back(placed.to_world.point(box_corner(placed.box, corner)));
     }
   }
   framing.box = {framing.points[0], framing.points[0]};

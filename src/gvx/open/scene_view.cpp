@@ -38,10 +38,6 @@ void tie_fields(Scene& scene, View& view, Tie tie) {
 
 }  // namespace
 
-bool is_projection(scene::Mode mode) {
-  return mode != scene::Mode::composite && mode != scene::Mode::isosurface;
-}
-
 Status check_isovalue(const scene::ObjectParts& scene, const FieldNaming& naming,
                       const std::string& volume_values) {
   if (scene.mode != scene::Mode::isosurface || scene.isovalue) return {};
@@ -59,7 +55,7 @@ Status complete_look(scene::SceneFile& scene, const OpenVolume& volume, const Fi
   GVX_TRY(check_isovalue(scene, naming, range.str()));
   GVX_ASSIGN(scene.functions, complete_functions(scene, volume, naming));
   scene.lighting = scene::LightingParts(scene.lighting.over(standard.lighting));
-  if (!scene.background) scene.background = is_projection(*scene.mode) ? Vec3d() : kBackground;
+  if (!scene.background) scene.background = scene::projects(*scene.mode) ? Vec3d() : kBackground;
   return {};
 }
 

@@ -10,9 +10,6 @@
 
 namespace gvx::open {
 
-/// Does the mode show one value after the other, without opacities?
-bool is_projection(scene::Mode mode);
-
 /// An error where the mode lacks an isovalue. `volume_values` is what is said of the volume's, if anything.
 Status check_isovalue(const scene::ObjectParts& scene, const FieldNaming& naming,
                       const std::string& volume_values = "");

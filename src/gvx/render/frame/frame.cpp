@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "gvx/core/box_corner.h"
 #include "gvx/core/node_key.h"
 #include "gvx/render/frame/level_views.h"
 
@@ -107,9 +108,7 @@ Vec3d spacing_of(const tree::TreeDescription& tree) {
 double farthest(const Box3d& extent, const Affine3& tree_to_world, Vec3dd eye_world) {
   double farthest = 0;
   for (int corner = 0; corner < 8; ++corner) {
-    Vec3d p;
-    for (int axis = 0; axis < 3; ++axis)
-      p[axis] = (corner >> axis & 1) != 0 ? extent.maximum[axis] : extent.minimum[axis];
+    const Vec3d p = box_corner(extent, corner);
     farthest = std::max(farthest, length(Vec3d(point(tree_to_world, Vec3dd(p)) - eye_world)));
   }
   return farthest;

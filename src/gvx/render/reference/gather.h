@@ -15,7 +15,7 @@ namespace gvx::render {
 
 /// Does a ray gather values, of which a colour is made at its end?
 GVX_HD inline bool projects(const FrameView& frame) {
-  return frame.visibility.mode != scene::Mode::composite && frame.visibility.mode != scene::Mode::isosurface;
+  return scene::projects(frame.visibility.mode);
 }
 
 /// Can nothing below a node change what a projecting ray has gathered?

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "gvx/core/affine.h"
+#include "gvx/core/box_corner.h"
 
 namespace gvx::render {
 namespace {
@@ -25,10 +26,7 @@ FilmRect film_rect_of(const FrameView& frame) {
   double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, nearest = INFINITY,
          farthest = -INFINITY, reach = 0;
   for (int corner = 0; corner < 8; ++corner) {
-    Vec3d p;
-    for (int axis = 0; axis < 3; ++axis) {
-      p[axis] = (corner >> axis & 1) != 0 ? frame.box.maximum[axis] : frame.box.minimum[axis];
-    }
+    const Vec3d p = box_corner(frame.box, corner);
     const Vec3d from_eye = tree_to_world.vector(p);
     const double ahead = dot(from_eye, camera.forward), scale = camera.orthographic ? 1 : ahead;
     const double at[2] = {camera.half_width - 0.5 + dot(from_eye, camera.right) / (scale * camera.pixel),
