@@ -17,7 +17,7 @@ struct VolumeOptions {
   std::optional<bool> labels;         ///< Do the numbers name classes? None: as the file says.
   bool even_slices = false;           ///< Resample slices that are uneven, tilted or missing.
 
-  VolumeOptions(RawOptions samples = {}) : raw(std::move(samples)) {}
+  VolumeOptions(const RawOptions& samples = {}) : raw(samples) {}
 };
 
 }  // namespace gvx::io

@@ -20,6 +20,8 @@ struct Opposite {
   operator bool() const { return !of; }
   void operator=(bool value) const { of = !value; }
 };
+template <typename Bool>
+Opposite(Bool&) -> Opposite<Bool>;
 
 /// Calls `tie` with each field of a scene that a view has as it is, and with the view's.
 template <typename Scene, typename View, typename Tie>
