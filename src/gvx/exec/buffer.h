@@ -61,6 +61,7 @@ class Buffer {
 
   /// Writes elements from `first` on, out of the host's memory or a device's.
   void write(std::size_t first, std::span<const T> source) {
+    if (source.empty()) return;
     if (kind_ == DeviceKind::cuda) {
       cuda_support::copy(data_ + first, source.data(), source.size_bytes());
     } else {
