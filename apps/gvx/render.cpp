@@ -449,7 +449,8 @@ Command add_render(CLI::App& program) {
           "factor in each frame")
       ->check(CLI::Range(1e-30, 1e30))
       ->needs("--frames");
-  command->add_option("--memory", o->memory, "Memory for bricks")->capture_default_str();
+  command->add_option("--memory", o->memory, "Memory for bricks, nodes and index pages")
+      ->capture_default_str();
   command->add_option("--threads", o->threads, "Number of threads; 0: all cores")->check(CLI::Range(0, 1024));
   command->add_option("--device", o->device, "Where to render")
       ->check(CLI::IsMember({"cpu", "cuda"}))

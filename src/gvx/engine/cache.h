@@ -25,7 +25,7 @@
 namespace gvx::engine {
 
 struct CacheOptions {
-  std::uint64_t memory_bytes = 512ull << 20;  ///< for bricks
+  std::uint64_t memory_bytes = 512ull << 20;  ///< for bricks, nodes, and what producers keep
   std::optional<PoolSizes> pools = {};        ///< of each volume, in place of memory_bytes; for tests
   /// Called with a line of text if something is wrong that is not an error. Today this happens once for each
   /// volume, for the first brick with values beyond its node's bounds. It is called on a viewer's thread.

@@ -25,7 +25,7 @@ namespace gvx::engine {
 
 /// How an engine works; the defaults suit most programs.
 struct EngineOptions {
-  std::uint64_t memory_bytes = 512ull << 20;  ///< for bricks
+  std::uint64_t memory_bytes = 512ull << 20;  ///< for bricks, nodes, and what producers keep
   std::optional<PoolSizes> pools;             ///< in place of memory_bytes; for tests of tiny pools
   /// As ViewerOptions has them.
   bool one_ray_at_a_time = false;

@@ -10,34 +10,59 @@ std::uint64_t usable(const Residency& residency) {
   return residency.bricks().slots() - residency.withheld_bricks();
 }
 
-std::uint64_t bytes_of(const Volume& volume) {
+std::uint64_t brick_bytes_of(const Volume& volume) {
   return usable(volume.residency()) * volume.residency().bricks().brick_bytes();
 }
 
 }  // namespace
 
 void MemoryBudget::add(Volume* volume) {
-  Residency& residency = volume->residency();
-  const std::uint64_t fit = left() / residency.bricks().brick_bytes();
-  const std::uint64_t slots = residency.bricks().slots();
-  if (fit < slots) residency.withhold_bricks(static_cast<std::uint32_t>(slots - fit));
-  volumes_.push_back(volume);
+  const bool first = shares_.empty();
+  shares_.push_back({volume, 0, 0});
+  share_out();
+  const std::uint64_t others = bytes_used() - brick_bytes_of(*volume);
+  // However little memory there is, what fits without nodes may be tried.
+  constexpr std::uint64_t kFewest = 2;
+  const brick::BrickPool& bricks = volume->residency().bricks();
+  const std::uint64_t fit =
+      std::max((bytes_ - std::min(bytes_, others)) / bricks.brick_bytes(), first ? kFewest : 0);
+  if (fit < bricks.slots()) {
+    volume->residency().withhold_bricks(static_cast<std::uint32_t>(bricks.slots() - fit));
+  }
 }
 
 void MemoryBudget::remove(const Volume* volume) {
-  std::erase(volumes_, volume);
+  std::erase_if(shares_, [&](const Share& share) { return share.volume == volume; });
+  share_out();
 }
 
-std::uint64_t MemoryBudget::left() const {
+/// All volumes get as much for their nodes, and as much for what their producers keep: together a small part.
+/// Where that grows, bricks are given up when others are wanted.
+void MemoryBudget::share_out() {
+  if (shares_.empty()) return;
+  constexpr std::uint64_t kPart = 8;
+  const std::uint64_t most = bytes_ / kPart / shares_.size();
+  for (Share& share : shares_) {
+    const produce::Producer& producer = *share.volume->producer();
+    share.of_producer = std::min(producer.wanted_memory(), most);
+    share.of_nodes = std::min(share.volume->residency().nodes().bytes(), most);
+    producer.keep_at_most(share.of_producer);
+  }
+}
+
+std::uint64_t MemoryBudget::bytes_used() const {
   std::uint64_t used = 0;
-  for (const Volume* volume : volumes_) used += bytes_of(*volume);
-  return bytes_ - std::min(bytes_, used);
+  for (const Share& share : shares_) {
+    used += share.of_nodes + share.of_producer + brick_bytes_of(*share.volume);
+  }
+  return used;
 }
 
 /// Of the others that can give a brick away, the one whose oldest was not used for the longest time.
 Volume* MemoryBudget::with_oldest(const Volume& but, Eviction eviction) const {
   Volume* oldest = nullptr;
-  for (Volume* volume : volumes_) {
+  for (const Share& share : shares_) {
+    Volume* const volume = share.volume;
     if (volume == &but || volume->residency().room(eviction).bricks == 0) continue;
     const bool older =
         oldest == nullptr || volume->residency().brick_pass(0) < oldest->residency().brick_pass(0);
@@ -53,8 +78,7 @@ void MemoryBudget::make_room(Volume& volume, std::size_t wanted, Eviction evicti
     const std::uint64_t empty = residency.free_bricks();
     if (empty >= wanted) return;
     const std::uint64_t lack = std::min<std::uint64_t>(wanted - empty, residency.withheld_bricks());
-    const std::uint64_t bytes_left = left();
-    if (const std::uint64_t fit = std::min(lack, bytes_left / brick); fit > 0) {
+    if (const std::uint64_t fit = std::min(lack, bytes_left() / brick); fit > 0) {
       residency.restore_bricks(static_cast<std::uint32_t>(fit));
       continue;
     }
@@ -65,7 +89,7 @@ void MemoryBudget::make_room(Volume& volume, std::size_t wanted, Eviction evicti
     if (own_may_go && residency.brick_pass(static_cast<std::uint32_t>(empty)) <= from.brick_pass(0)) return;
     // Of bricks some at a time: then another's may be the oldest.
     constexpr std::uint64_t kMostAtOnce = 16;
-    const std::uint64_t bytes = lack * brick - std::min(bytes_left, lack * brick);
+    const std::uint64_t needed = bytes_used() + lack * brick, bytes = needed - std::min(needed, bytes_);
     const std::uint64_t count = (bytes + from.bricks().brick_bytes() - 1) / from.bricks().brick_bytes();
     const std::uint64_t most = std::max(from.free_bricks(), kMostAtOnce);
     from.withhold_bricks(

@@ -1,8 +1,10 @@
 /// \file
-/// MemoryBudget: shares a number of bytes out among the bricks of several volumes. Each volume's pool could
-/// fill all of it; what a pool may not use now is withheld from it, and goes to where bricks are wanted.
+/// MemoryBudget: shares a number of bytes out among several volumes: for the nodes of their trees, for what
+/// their producers keep, and for bricks. Each volume's pool of bricks could fill all of it; what a pool may
+/// not use now is withheld from it, and goes to where bricks are wanted.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -15,7 +17,7 @@ class MemoryBudget {
  public:
   explicit MemoryBudget(std::uint64_t bytes) : bytes_(bytes) {}
 
-  /// A volume comes: it gets what is left of the bytes.
+  /// A volume comes: it gets what is left of the bytes. Its producer is told what it may keep.
   void add(Volume* volume);
   void remove(const Volume* volume);
 
@@ -25,11 +27,19 @@ class MemoryBudget {
   void make_room(Volume& volume, std::size_t wanted, Eviction eviction);
 
  private:
-  std::uint64_t left() const;
+  /// A volume, and bytes that are no bricks'.
+  struct Share {
+    Volume* volume;
+    std::uint64_t of_nodes, of_producer;
+  };
+
+  void share_out();
+  std::uint64_t bytes_used() const;
+  std::uint64_t bytes_left() const { return bytes_ - std::min(bytes_, bytes_used()); }
   Volume* with_oldest(const Volume& but, Eviction eviction) const;
 
   std::uint64_t bytes_;
-  std::vector<Volume*> volumes_;
+  std::vector<Share> shares_;
 };
 
 }  // namespace gvx::engine

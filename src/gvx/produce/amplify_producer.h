@@ -33,6 +33,8 @@ class AmplifyProducer final : public Producer {
   const TreeDescription& description() const override { return description_; }
   Status describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const override;
   Status produce(const NodeKey& key, std::span<std::byte> voxels) const override;
+  std::uint64_t wanted_memory() const override { return volume_->wanted_memory(); }
+  void keep_at_most(std::uint64_t bytes) const override { volume_->keep_at_most(bytes); }
   std::uint64_t bytes_read() const override { return volume_->bytes_read(); }
   ProductionTimes times() const override { return volume_->times(); }
 

@@ -43,6 +43,8 @@ class DeeperProducer final : public Producer {
     tree_->start(batch, std::move(sink));
   }
   std::size_t most_under_way() const override { return tree_->most_under_way(); }
+  std::uint64_t wanted_memory() const override { return tree_->wanted_memory(); }
+  void keep_at_most(std::uint64_t bytes) const override { tree_->keep_at_most(bytes); }
   std::uint64_t bytes_read() const override { return tree_->bytes_read(); }
   ProductionTimes times() const override { return tree_->times(); }
 

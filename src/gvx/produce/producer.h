@@ -86,6 +86,11 @@ class Producer {
   /// How many batches may be under way at once; 0: as many as threads make elements.
   virtual std::size_t most_under_way() const { return 0; }
 
+  /// How many bytes it would keep in memory for itself, such as a file's index.
+  virtual std::uint64_t wanted_memory() const { return 0; }
+  /// It may keep so many, at most, from now on. They count as memory of the cache that says so.
+  virtual void keep_at_most([[maybe_unused]] std::uint64_t bytes) const {}
+
   /// Bytes read from files or servers so far.
   virtual std::uint64_t bytes_read() const { return 0; }
   /// Times since the producer was opened.

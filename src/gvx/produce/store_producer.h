@@ -17,6 +17,10 @@ class StoreProducer final : public Producer {
   const TreeDescription& description() const override { return description_; }
   Status describe(std::span<const NodeKey> keys, std::span<tree::NodeInfo> infos) const override;
   Status produce(const NodeKey& key, std::span<std::byte> voxels) const override;
+  std::uint64_t wanted_memory() const override { return reader_ ? reader_->index().wanted_bytes() : 0; }
+  void keep_at_most(std::uint64_t bytes) const override {
+    if (reader_ != nullptr) reader_->index().keep_at_most(bytes);
+  }
   std::uint64_t bytes_read() const override { return reader_ ? reader_->bytes_read() : 0; }
   ProductionTimes times() const override {
     if (reader_ == nullptr) return {};

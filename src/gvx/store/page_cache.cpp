@@ -29,6 +29,16 @@ void PageCache::finish_load(const PageKey& key, const Result<Page>& page) {
   }
   slot->second.bytes = page.value()->size() + kOfEach;
   bytes_ += slot->second.bytes;
+  drop_oldest();
+}
+
+void PageCache::set_bound(std::size_t most_bytes) {
+  const std::lock_guard lock(mutex_);
+  most_bytes_ = most_bytes;
+  drop_oldest();
+}
+
+void PageCache::drop_oldest() {
   for (auto last = order_.end(); bytes_ > most_bytes_ && last != order_.begin();) {
     --last;
     const auto oldest = slots_.find(*last);

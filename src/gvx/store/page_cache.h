@@ -58,6 +58,8 @@ class PageCache {
 
   /// Bytes that the kept pages take, with what this class stores for each.
   std::size_t bytes() const;
+  /// Another bound from now on.
+  void set_bound(std::size_t most_bytes);
 
  private:
   struct Slot {
@@ -69,11 +71,14 @@ class PageCache {
     std::size_t operator()(const PageKey& key) const;
   };
 
-  /// Counts a page that was read, and drops the oldest ones beyond the bound; forgets one that was not.
+  /// Counts a page that was read; forgets one that was not.
   void finish_load(const PageKey& key, const Result<Page>& page);
 
-  const std::size_t most_bytes_;
+  /// Drops the oldest pages beyond the bound.
+  void drop_oldest();
+
   mutable std::mutex mutex_;
+  std::size_t most_bytes_;
   std::size_t bytes_ = 0;
   std::list<PageKey> order_;  ///< what was asked for last is first
   std::unordered_map<PageKey, Slot, Hash> slots_;

@@ -40,6 +40,26 @@ TEST(PageCache, keeps_what_was_asked_for_last_within_its_bound) {
   EXPECT_EQ(loads, 101);
 }
 
+TEST(PageCache, drops_the_oldest_where_the_bound_becomes_smaller) {
+  PageCache cache(10'000);
+  int loads = 0;
+  const auto get = [&](std::uint64_t offset) {
+    return cache.get(key_of(offset), [&]() -> Result<Page> {
+      ++loads;
+      return page_of(2000);
+    });
+  };
+  for (std::uint64_t i = 0; i < 4; ++i) ASSERT_TRUE(get(i).ok());
+  cache.set_bound(5'000);
+  EXPECT_LE(cache.bytes(), 5'000u);
+  ASSERT_TRUE(get(3).ok());
+  EXPECT_EQ(loads, 4);
+  cache.set_bound(0);
+  EXPECT_EQ(cache.bytes(), 0u);
+  ASSERT_TRUE(get(3).ok());
+  EXPECT_EQ(loads, 5) << "what cannot be kept is read each time";
+}
+
 TEST(PageCache, one_of_many_threads_loads) {
   PageCache cache(1 << 20);
   std::atomic<int> loads{0}, right{0};

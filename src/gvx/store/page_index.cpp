@@ -77,6 +77,15 @@ Status PageIndex::read_directory(const StoreHeader& header) {
   return {};
 }
 
+std::size_t PageIndex::wanted_bytes() const {
+  std::uint64_t records = 0;
+  for (const Level& level : levels_) {
+    records += saturating_product(saturating_volume(level.pages), kPageNodes * layout_.bytes());
+    if (records >= kCacheBytes) return kCacheBytes;
+  }
+  return static_cast<std::size_t>(records);
+}
+
 PageRef PageIndex::flat_page(std::uint32_t level, Vec3i page) const {
   const Level& l = levels_[level];
   return directory_[static_cast<std::size_t>(l.first) +

@@ -21,7 +21,8 @@ namespace gvx::store {
 /// Thread-safe.
 class PageIndex {
  public:
-  /// The bound of the pages that are kept: the records of five million nodes of one channel.
+  /// The bound of the pages that are kept, unless another is set: the records of five million nodes of one
+  /// channel.
   static constexpr std::size_t kCacheBytes = 64 << 20;
 
   /// Reads the section "directory" and, where there is one, "records". `file` must outlive the index.
@@ -54,6 +55,10 @@ class PageIndex {
 
   /// Bytes that the kept pages take.
   std::size_t cached_bytes() const { return cache_.bytes(); }
+  /// Bytes that all pages would take; at most kCacheBytes.
+  std::size_t wanted_bytes() const;
+  /// Keeps pages of at most so many bytes from now on.
+  void keep_at_most(std::size_t bytes) const { cache_.set_bound(bytes); }
 
  private:
   PageIndex(const StoreFile& file, const TreeShape& shape, RecordLayout layout);

@@ -46,6 +46,10 @@ class NodePool {
     return {child_.view().data, content_.view().data, range_.view().data, nodes()};
   }
   std::uint32_t tiles() const { return tiles_; }
+  std::uint64_t bytes() const {
+    const std::uint64_t of_node = sizeof(ChildWord) + sizeof(ContentWord) + channels_ * sizeof(ValueRange);
+    return of_node * nodes();
+  }
   std::uint32_t nodes() const { return tiles() * nodes_per_tile_; }
   std::uint32_t nodes_per_tile() const { return nodes_per_tile_; }
   static NodeIndex root() { return NodeIndex(0); }
