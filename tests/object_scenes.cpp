@@ -20,9 +20,7 @@ Affine3 turned(std::mt19937& random) {
 }
 
 std::uint32_t projecting(const ObjectScene& scene) {
-  const auto projects = [](const SceneObject& object) {
-    return object.view.mode != scene::Mode::composite && object.view.mode != scene::Mode::isosurface;
-  };
+  const auto projects = [](const SceneObject& object) { return scene::projects(object.view.mode); };
   return static_cast<std::uint32_t>(std::count_if(scene.objects.begin(), scene.objects.end(), projects));
 }
 
@@ -161,6 +159,7 @@ render::Pass ResidentScene::next_pass() {
   views_.clear();
   for (const auto& resident : residents_) views_.push_back(resident->view());
   render::Pass pass;
+  pass.film = render::film_of(scene_.view).value();
   pass.objects = views_;
   pass.number = number_;
   pass.epoch = film_.epoch();
@@ -168,6 +167,24 @@ render::Pass ResidentScene::next_pass() {
   pass.projections = film_.projections();
   pass.one_ray_at_a_time = how_.one_ray_at_a_time;
   return pass;
+}
+
+render::Bundle ResidentScene::bundle_at(Vec3d origin, ConeShape cones) const {
+  const Resident& first = *residents_[0];
+  return first.frame.bundle_at(how_.device, first.producer.description(), Vec3dd(origin), cones);
+}
+
+render::RayState ResidentScene::march_ray(const render::Bundle& bundle, const render::FilmRay& ray) {
+  render::RayState state;
+  constexpr int kMostPasses = 300;
+  for (int i = 0; i < kMostPasses && state.phase == render::RayPhase::under_way; ++i) {
+    const render::Pass pass = next_pass();
+    views_[0].frame = residents_[0]->frame.view_from(bundle);
+    render::march_ray(pass, views_[0], ray, state);
+    if (state.phase == render::RayPhase::under_way) produce_lacking();
+  }
+  EXPECT_EQ(state.phase, render::RayPhase::finished);
+  return state;
 }
 
 void ResidentScene::produce_lacking() {

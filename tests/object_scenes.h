@@ -78,6 +78,11 @@ class ResidentScene {
   std::uint32_t passes() const { return number_; }
   /// A pass over what is resident, for a film of this epoch.
   render::Pass next_pass();
+  /// Rays through the first object that are told from another place than the camera's eye, and as wide as one
+  /// likes.
+  render::Bundle bundle_at(Vec3d origin, ConeShape cones) const;
+  /// Where such a ray comes to.
+  render::RayState march_ray(const render::Bundle& bundle, const render::FilmRay& ray);
   /// Makes what the rays of the last pass lacked.
   void produce_lacking();
   render::Film& film() { return film_; }

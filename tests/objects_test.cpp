@@ -239,14 +239,15 @@ TEST(Objects, are_found_by_the_tiles_that_they_are_on) {
     views.emplace_back();
     views.back().frame = frames.back()->view();
   }
-  const render::ObjectTiles tiles(views);
+  const render::FilmView film = render::film_of(scene.view).value();
+  const render::ObjectTiles tiles(film, views);
   std::size_t met = 0, listed = 0;
   for (std::int32_t y = 0; y < 200; y += 7) {
     for (std::int32_t x = 0; x < 300; x += 7) {
       const std::vector<std::uint32_t> here = tiles.objects_in({x, x, y, y});
       listed += here.size();
       for (std::uint32_t i = 0; i < views.size(); ++i) {
-        if (render::ObjectRay(views[i].frame, x, y).inside.empty()) continue;
+        if (render::ObjectRay(views[i].frame, film.ray(x, y)).inside.empty()) continue;
         ++met;
         EXPECT_TRUE(std::binary_search(here.begin(), here.end(), i)) << i << " at " << x << " " << y;
       }

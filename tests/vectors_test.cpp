@@ -225,6 +225,7 @@ void expect_previews_alike(const TestScene& scene, const std::string& what) {
     object.hidden = look.hidden();
     object.cells = look.cells();
     render::Pass pass;
+    pass.film = render::film_of(scene.view).value();
     pass.objects = {&object, 1};
     pass.number = number;
     pass.epoch = 1;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "gvx/core/double_double.h"
 #include "gvx/core/result.h"
 #include "gvx/core/vec.h"
 
@@ -24,6 +25,12 @@ struct Affine3 {
 
   constexpr bool operator==(const Affine3&) const = default;
 };
+
+/// Where a map takes a place that has more digits than doubles.
+inline Vec3dd point(const Affine3& map, Vec3dd p) {
+  return p.x * Vec3dd(map.column[0]) + p.y * Vec3dd(map.column[1]) + p.z * Vec3dd(map.column[2]) +
+         Vec3dd(map.origin);
+}
 
 /// The signed volume of the unit cube's image. If it is zero, there is no inverse.
 inline double determinant(const Affine3& a) {

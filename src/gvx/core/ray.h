@@ -14,6 +14,11 @@ struct Ray {
   GVX_HD Vec3d at(double t) const { return origin + t * direction; }
 };
 
+/// A ray may stand for all that is within a cone around it: width + growth * t wide at distance t.
+struct ConeShape {
+  double width = 0, growth = 0;
+};
+
 /// Closed box; empty where a minimum exceeds its maximum.
 struct Box3d {
   Vec3d minimum;

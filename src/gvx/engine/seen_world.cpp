@@ -14,12 +14,11 @@ Result<WorldFrames> WorldFrames::make(const exec::Device& device, const render::
   WorldFrames frames;
   frames.id_ = ++made;
   frames.first_of_kind_.assign(world.kinds().size(), kNone);
-  GVX_ASSIGN(const scene::CameraView camera,
-             scene::make_view(view.camera, view.width * view.antialias, view.height * view.antialias));
+  GVX_ASSIGN(frames.film_, render::film_of(view));
   const std::span<const Object> objects = world.objects();
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const bool only_one_left = i + 1 == objects.size() && frames.frames_.empty();
-    if (!only_one_left && world.out_of_sight(i, camera)) continue;
+    if (!only_one_left && world.out_of_sight(i, frames.film_.camera)) continue;
     const Volume* volume = objects[i].volume.get();
     const render::Frame* like = frames.like(volume, world.kind(i));
     if (like == nullptr && previous != nullptr) like = previous->like(volume, world.kind(i));
@@ -101,7 +100,7 @@ void SeenWorld::see(const exec::Device& device, std::shared_ptr<const World> wor
   detach(before);
 }
 
-std::span<const render::ObjectView> SeenWorld::views(const WorldFrames& frames, const RayInterval* spans) {
+std::span<const render::ObjectView> SeenWorld::views(const WorldFrames& frames) {
   views_.resize(frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
     render::ObjectView& view = views_[i];
@@ -111,7 +110,6 @@ std::span<const render::ObjectView> SeenWorld::views(const WorldFrames& frames, 
     view.n = world_->tree(object).n;
     view.m = world_->tree(object).m;
     view.frame = frames.frame(i).view();
-    view.frame.proxy = spans;
     view.nodes = residency.nodes().view();
     view.hidden = look.hidden();
     view.bricks = residency.bricks().bytes();
@@ -126,7 +124,7 @@ std::span<const render::ObjectView> SeenWorld::views(const WorldFrames& frames, 
 const render::ObjectTiles* SeenWorld::tiles(const WorldFrames& frames) {
   if (frames.size() == 1) return nullptr;
   if (tiles_of_ != frames.id()) {
-    tiles_ = std::make_unique<const render::ObjectTiles>(views_);
+    tiles_ = std::make_unique<const render::ObjectTiles>(frames.film(), views_);
     tiles_of_ = frames.id();
   }
   return tiles_.get();

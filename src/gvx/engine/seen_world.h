@@ -26,6 +26,7 @@ class WorldFrames {
   static Result<WorldFrames> make(const exec::Device& device, const render::View& view, const World& world,
                                   const WorldFrames* previous);
 
+  const render::FilmView& film() const { return film_; }
   std::size_t size() const { return frames_.size(); }
   const render::Frame& frame(std::size_t i) const { return frames_[i].frame; }
   /// Its object's number in the world.
@@ -43,6 +44,7 @@ class WorldFrames {
   /// A frame whose tables may be the ones that an object needs.
   const render::Frame* like(const Volume* volume, std::size_t kind) const;
 
+  render::FilmView film_;
   std::vector<ObjectFrame> frames_;
   static constexpr std::size_t kNone = SIZE_MAX;
   std::vector<std::size_t> first_of_kind_;  // in frames_, of each of the world's kinds; kNone: out of sight
@@ -71,9 +73,8 @@ class SeenWorld {
   /// The look at an object in sight.
   const Look& look(std::size_t object) const { return *looks_[world_->kind(object)].look; }
 
-  /// What a pass of these frames marches; valid until the next call. A proxy's spans are those of the only
-  /// object's rays, or null.
-  std::span<const render::ObjectView> views(const WorldFrames& frames, const RayInterval* spans);
+  /// What a pass of these frames marches; valid until the next call.
+  std::span<const render::ObjectView> views(const WorldFrames& frames);
   /// Where those are on the film; null for a single one.
   const render::ObjectTiles* tiles(const WorldFrames& frames);
 

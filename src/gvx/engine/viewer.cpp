@@ -119,25 +119,24 @@ Status Viewer::look_coarsely() {
 
 /// Finds what the proxy leaves of this view's rays.
 void Viewer::cut_rays() {
-  const scene::Mode mode = world().objects()[0].shown.mode;
-  const bool cuts =
-      world().objects().size() == 1 && (mode == scene::Mode::composite || mode == scene::Mode::isosurface);
+  const bool cuts = world().objects().size() == 1 && !scene::projects(world().objects()[0].shown.mode);
   const std::shared_ptr<const scene::Proxy>& proxy = options_.proxy;
   if (proxy == nullptr || !cuts) {
     spans_ = {};
     return;
   }
   const render::FrameView frame = frames_->frame(0).view();
-  const std::size_t rays = std::size_t(frame.width) * frame.height;
+  const render::FilmView& film = frames_->film();
+  const std::size_t rays = std::size_t(film.width) * film.height;
   if (spans_.size() != rays) spans_ = exec::Buffer<RayInterval>(cache_->device(), rays);
-  const bool one_eye = !frame.camera.orthographic, eye_inside = one_eye && proxy->inside(frame.eye_tree);
-  exec::parallel_for(host(), frame.height, [&](std::size_t y) {
-    for (std::uint32_t x = 0; x < frame.width; ++x) {
-      const Ray from_eye = frame.camera.pixel_ray_from_eye(x, double(y));
-      const Ray ray{frame.eye_tree + frame.world_to_tree.vector(from_eye.origin),
+  const bool one_eye = !film.camera.orthographic, eye_inside = one_eye && proxy->inside(frame.bundle.origin);
+  exec::parallel_for(host(), film.height, [&](std::size_t y) {
+    for (std::uint32_t x = 0; x < film.width; ++x) {
+      const Ray from_eye = film.camera.pixel_ray_from_eye(x, double(y));
+      const Ray ray{frame.bundle.origin + frame.world_to_tree.vector(from_eye.origin),
                     frame.world_to_tree.vector(from_eye.direction)};
       const bool inside = one_eye ? eye_inside : proxy->inside(ray.origin);
-      spans_.view()[y * frame.width + x] = proxy->span(ray, inside);
+      spans_.view()[film.index(x, static_cast<std::uint32_t>(y))] = proxy->span(ray, inside);
     }
   });
 }
@@ -146,7 +145,9 @@ render::Pass Viewer::pass(const WorldFrames& frames) {
   const bool of_this_view =
       frames.id() == frames_->id() || (moving_frames_ && frames.id() == moving_frames_->id());
   render::Pass pass;
-  pass.objects = seen_.views(frames, of_this_view && spans_.size() > 0 ? spans_.view().data : nullptr);
+  pass.film = frames.film();
+  if (of_this_view && spans_.size() > 0) pass.film.proxy = spans_.view().data;
+  pass.objects = seen_.views(frames);
   pass.object_tiles = seen_.tiles(frames);
   pass.number = client_->pass;
   pass.one_ray_at_a_time = options_.one_ray_at_a_time;
@@ -493,7 +494,7 @@ void Viewer::write_reach(const render::PictureTarget& target) {
   const std::uint32_t width = view_->width, rays = view_->antialias;
   const WorldFrames& frames = shown_frames();
   const render::Pass all = pass(frames);
-  const scene::CameraView& camera = all.objects[0].frame.camera;
+  const scene::CameraView& camera = all.film.camera;
   const auto put = [&](const auto& rows, std::size_t x, std::size_t y, auto value) {
     if (!rows.values.empty()) rows.values[y * (rows.stride > 0 ? rows.stride : width) + x] = value;
   };

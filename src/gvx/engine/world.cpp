@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "gvx/core/box_corner.h"
+#include "gvx/core/box_parts.h"
 
 namespace gvx::engine {
 

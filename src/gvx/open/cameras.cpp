@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "gvx/core/box_corner.h"
+#include "gvx/core/box_parts.h"
 #include "gvx/open/scene_view.h"
 #include "gvx/open/visible_bounds.h"
 #include "gvx/render/frame/frame.h"
@@ -20,10 +20,8 @@ const scene::Framing kAnyFraming{{{0, 0, 0}, {1, 1, 1}}, {}, {}, scene::Stance::
 Result<VisibleBounds> visible_part(const scene::SceneFile& scene, const OpenVolume& volume,
                                    const FieldNaming& naming) {
   const produce::TreeDescription& tree = volume.producer->description();
-  const Vec3d corner = tree.extent.minimum, size = tree.extent.maximum - tree.extent.minimum;
   const Box3d all = tree.bounds.value_or(tree.extent);
-  const Box3d shown =
-      intersect(all, Box3d{corner + scene.clip->minimum * size, corner + scene.clip->maximum * size});
+  const Box3d shown = intersect(all, box_part(tree.extent, *scene.clip));
   if (shown.empty()) return VisibleBounds{all, {}};
   // What is made, not stored, tells less than what it will be.
   if (!tree.exact_ranges || scene::projects(*scene.mode)) return VisibleBounds{shown, {}};

@@ -69,7 +69,7 @@ scene::FunctionParts chosen_function(const scene::ObjectParts& scene, const scen
     chosen.opacities = {{0, 1}};
     return chosen;
   }
-  const bool projection = *scene.mode != scene::Mode::composite && *scene.mode != scene::Mode::isosurface;
+  const bool projection = scene::projects(*scene.mode);
   // The points of CT presets stand for matter: elsewhere they say nothing.
   const bool moved = parts.window || parts.percentiles;
   chosen.from = projection ? "ramp" : moved && volume.preset.starts_with("ct-") ? "gray" : volume.preset;

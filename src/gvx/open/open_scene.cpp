@@ -1,10 +1,12 @@
 #include "gvx/open/open_scene.h"
 
 #include <algorithm>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
 
+#include "gvx/core/box_parts.h"
 #include "gvx/open/cameras.h"
 #include "gvx/open/functions.h"
 #include "gvx/open/scene_view.h"
@@ -111,18 +113,21 @@ Result<OpenScene> open_placed_objects(scene::SceneFile scene, const OpenOptions&
   std::vector<PlacedBox> boxes;
   for (const OpenObject& object : opened.objects) {
     const produce::TreeDescription& tree = object.volume.producer->description();
-    const Vec3d size = tree.extent.maximum - tree.extent.minimum;
-    const Box3d clip{tree.extent.minimum + object.look.clip.minimum * size,
-                     tree.extent.minimum + object.look.clip.maximum * size};
-    boxes.push_back(
-        {intersect(tree.bounds.value_or(tree.extent), clip), object.to_world * tree.tree_to_world});
+    const Box3d all = tree.bounds.value_or(tree.extent);
+    const Box3d shown = intersect(all, box_part(tree.extent, object.look.clip));
+    boxes.push_back({shown.empty() ? all : shown, object.to_world * tree.tree_to_world});
   }
   GVX_TRY(complete_cameras(first, boxes));
   GVX_ASSIGN(opened.path, camera_path(first));
   GVX_ASSIGN(opened.view, make_view(first, opened.volume, options.naming));
   if (opened.path) opened.view.camera = opened.path->key_frames().front().camera;
+  // Instances are warned of once.
+  std::set<std::string> said;
+  const auto warn_once = [&](const std::string& message) {
+    if (said.insert(message).second) options.warn(message);
+  };
   for (const OpenObject& object : opened.objects) {
-    warn_of_close_points(object.volume.producer->description(), object.look.functions, options.warn);
+    warn_of_close_points(object.volume.producer->description(), object.look.functions, warn_once);
   }
   scene.camera = first.camera;
   scene.camera_path = first.camera_path;

@@ -64,16 +64,20 @@ bool march_preview(const exec::Device& device, const PreviewMarch& march) {
                          [&](auto zero) { return kernels::march_preview<decltype(zero)>(device, march); });
 }
 
-void march_ray(const Pass& pass, double x, double y, RayState& state) {
-  const auto march = march_of(pass.object(), pass.number);
-  march->begin(x, y);
+void march_ray(const Pass& pass, const ObjectView& object, const FilmRay& ray, RayState& state) {
+  const auto march = march_of(object, pass.number);
+  march->begin(ray);
   march->march_exact(state);
+}
+
+void march_ray(const Pass& pass, double x, double y, RayState& state) {
+  march_ray(pass, pass.object(), pass.film.ray(x, y), state);
 }
 
 PreviewPixel preview_ray(const Pass& pass, double x, double y) {
   if (pass.objects.size() > 1) return SceneRay(pass, x, y).preview();
   const auto march = march_of(pass.object(), pass.number);
-  march->begin(x, y);
+  march->begin(pass.film.ray(x, y));
   RayState state;
   PreviewPixel pixel;
   march->march_preview(state, pixel);
@@ -85,7 +89,7 @@ PreviewPixel preview_ray(const Pass& pass, double x, double y) {
 RayReach reach(const Pass& pass, double x, double y, float opacity) {
   if (pass.objects.size() > 1 || projects(pass.object().frame)) return SceneRay(pass, x, y).reach(opacity);
   const auto march = march_of(pass.object(), pass.number);
-  march->begin(x, y);
+  march->begin(pass.film.ray(x, y));
   RayState state;
   RayReach reach{opacity};
   reach.distance = march->march_to(opacity, state);

@@ -16,6 +16,7 @@
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
 #include "gvx/exec/tile_grid.h"
+#include "gvx/render/frame/film_view.h"
 #include "gvx/render/frame/frame.h"
 #include "gvx/render/frame/ray_projection.h"
 #include "gvx/render/frame/ray_state.h"
@@ -41,7 +42,8 @@ struct ObjectView {
 
 /// What a pass works on.
 struct Pass {
-  std::span<const ObjectView> objects;  ///< one or more; their frames are of one camera and size
+  FilmView film;
+  std::span<const ObjectView> objects;  ///< one or more, as seen from the film's eye
   /// Where on the film they are; null: that is found anew. For several objects.
   const ObjectTiles* object_tiles = nullptr;
   std::uint32_t number = 0;                     ///< the stamp of this pass
@@ -109,7 +111,10 @@ bool march_exact(const exec::Device& device, const ExactMarch& march);
 /// ray is not finished.
 bool march_preview(const exec::Device& device, const PreviewMarch& march);
 
-/// Ray (x, y) marches by itself through the only object, as march.h says; on a CPU.
+/// A ray marches by itself through an object of the pass, as march.h says; on a CPU. It need not be of the
+/// film: any of the bundle that the object's frame is of.
+void march_ray(const Pass& pass, const ObjectView& object, const FilmRay& ray, RayState& state);
+/// Ray (x, y) of the film marches so through the only object.
 void march_ray(const Pass& pass, double x, double y, RayState& state);
 /// Ray (x, y) draws its preview by itself; on a CPU.
 PreviewPixel preview_ray(const Pass& pass, double x, double y);
@@ -121,8 +126,8 @@ struct RayReach {
   std::int32_t object = -1;    ///< of the pass, most of whose matter is there; -1 for none
 };
 
-/// Where a preview of ray (x, y) comes to this opacity (march.h). Not for a projection without other objects;
-/// on a CPU.
+/// Where a preview of ray (x, y) comes to this opacity (march.h); on a CPU. A projection's opacity is one
+/// sample where its value is.
 RayReach reach(const Pass& pass, double x, double y, float opacity);
 
 }  // namespace gvx::render

@@ -42,6 +42,8 @@ struct CameraView {
   double half_width = 0, half_height = 0;  ///< of the picture, in pixels
   bool orthographic = false;
 
+  /// Each ray is as wide as a pixel.
+  ConeShape cones() const { return orthographic ? ConeShape{pixel, 0} : ConeShape{0, pixel}; }
   /// The ray through the centre of pixel (x, y), (0, 0) at the upper left.
   GVX_HD Ray pixel_ray(double x, double y) const {
     const Ray ray = pixel_ray_from_eye(x, y);

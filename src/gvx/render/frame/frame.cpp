@@ -4,9 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "gvx/core/box_corner.h"
+#include "gvx/core/box_parts.h"
 #include "gvx/core/node_key.h"
-#include "gvx/render/frame/level_views.h"
 
 namespace gvx::render {
 namespace {
@@ -20,22 +19,11 @@ exec::Buffer<T> upload(const exec::Device& device, const std::vector<T>& values)
   return buffer;
 }
 
-Vec3dd point(const Affine3& map, Vec3dd p) {
-  return p.x * Vec3dd(map.column[0]) + p.y * Vec3dd(map.column[1]) + p.z * Vec3dd(map.column[2]) +
-         Vec3dd(map.origin);
-}
-
 bool scalar_composite(const View& view, const tree::TreeDescription& tree) {
   return view.mode == scene::Mode::composite && tree.format.content == VoxelContent::scalar;
 }
 
 Status check(const View& view, const tree::TreeDescription& tree) {
-  if (view.width < 1 || view.height < 1 || view.width > kLargestPicture || view.height > kLargestPicture) {
-    return Error{"picture size: " + std::to_string(view.width) + "x" + std::to_string(view.height) +
-                 " is not between 1x1 and 32768x32768"};
-  }
-  if (view.antialias < 1 || view.antialias > View::kMostAntialias)
-    return Error{"antialias: must be from 1 to 8"};
   if (!(view.samples_per_voxel >= 1 && view.samples_per_voxel <= 1000)) {
     return Error{"samples per voxel: must be between 1 and 1000"};
   }
@@ -134,6 +122,20 @@ void set_gradient_lengths(FrameView& v) {
 
 }  // namespace
 
+Result<FilmView> film_of(const View& view) {
+  if (view.width < 1 || view.height < 1 || view.width > kLargestPicture || view.height > kLargestPicture) {
+    return Error{"picture size: " + std::to_string(view.width) + "x" + std::to_string(view.height) +
+                 " is not between 1x1 and 32768x32768"};
+  }
+  if (view.antialias < 1 || view.antialias > View::kMostAntialias)
+    return Error{"antialias: must be from 1 to 8"};
+  FilmView film;
+  film.width = view.width * view.antialias;
+  film.height = view.height * view.antialias;
+  GVX_ASSIGN(film.camera, scene::make_view(view.camera, film.width, film.height));
+  return film;
+}
+
 std::uint32_t subrays_of(const View& view, const tree::TreeDescription& tree) {
   if (!scene::seeks_extreme(view.mode) || !view.level_of_detail) return 1;
   const auto fits = [&](std::uint32_t subrays) {
@@ -157,24 +159,14 @@ std::uint32_t subrays_of(const View& view, const tree::TreeDescription& tree) {
 
 Result<Frame> Frame::make(const exec::Device& device, const View& view, const tree::TreeDescription& tree,
                           const Frame* previous) {
+  GVX_ASSIGN(const FilmView film, film_of(view));
   GVX_TRY(check(view, tree));
   GVX_CHECK(tree.max_level < kMaxLevels);
   const int n = static_cast<int>(tree.n), max_level = static_cast<int>(tree.max_level);
   Frame frame;
   FrameView& v = frame.view_;
-  v.width = view.width * view.antialias;
-  v.height = view.height * view.antialias;
-  GVX_ASSIGN(v.camera, scene::make_view(view.camera, v.width, v.height));
   v.world_to_tree = inverse(tree.tree_to_world);
-  const Vec3d size = tree.extent.maximum - tree.extent.minimum;
-  const Box3d clip{tree.extent.minimum + view.clip.minimum * size,
-                   tree.extent.minimum + view.clip.maximum * size};
-  const Box3d box = intersect(clip, tree.extent);
-  const Vec3dd eye = point(v.world_to_tree, view.camera.eye_world());
-  v.box = {Vec3d(Vec3dd(box.minimum) - eye), Vec3d(Vec3dd(box.maximum) - eye)};
-  v.root = -Vec3d(Vec3dd(floor(eye.x), floor(eye.y), floor(eye.z)));
-  frame.levels_ = upload(device, level_views(n, max_level, eye, box));
-  v.levels = frame.levels_.view().data;
+  frame.visible_ = intersect(box_part(tree.extent, view.clip), tree.extent);
   v.format = tree.format;
 
   const Vec3d spacing = spacing_of(tree);
@@ -182,7 +174,6 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const tr
   v.tick_world = min_component(spacing) / view.samples_per_voxel;
   v.voxels_per_step = static_cast<float>(1 / view.samples_per_voxel);
   v.max_level = max_level;
-  v.eye_tree = Vec3d(eye);
   v.finest_voxel = 1 / (nodes_across(static_cast<int>(tree.n), tree.max_level) * tree.m);
   v.adds_noise = view.noise.has_value();
   if (view.noise) {
@@ -196,22 +187,15 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const tr
   const double finer = !scene::seeks_extreme(view.mode) ? 1
                        : view.subrays > 1               ? double(kMostSubrays) / view.subrays
                                                         : 2;
-  const double detail = finer * view.detail;
+  v.finest_width = finer * view.detail * max_component(spacing);
+  v.finest_alone = !view.level_of_detail;
   double stride = 1;
   for (int level = max_level; level >= 0; --level, stride *= n) {
     v.stride[level] = stride;
     v.gradient_scale[level] = static_cast<float>(1 / std::sqrt(std::min(stride, 4.0)));
-    const double wide_enough = detail * max_component(spacing) * stride;
-    const bool out_of_reach = !view.level_of_detail || v.camera.orthographic;
-    v.lod_distance[level] =
-        out_of_reach ? std::numeric_limits<double>::infinity() : wide_enough / v.camera.pixel;
-    if (v.camera.orthographic && view.level_of_detail && wide_enough <= v.camera.pixel) {
-      v.fixed_level = level;
-      const double coarser = wide_enough * n;
-      const double share = (v.camera.pixel - wide_enough) / (coarser - wide_enough);
-      v.fixed_blend = level > 0 ? static_cast<float>(std::min(share, 1.0)) : 0.0f;
-    }
   }
+  frame.bundle_ = frame.bundle_at(device, tree, view.camera.eye_world(), film.camera.cones());
+  v = frame.view_from(frame.bundle_);
 
   const scene::TransferFunction none{{{0, {}}}, {{0, 0}}, 0, {}};
   const double unit_distance = view.functions.empty() ? 0 : view.functions[0].unit_distance;
@@ -258,8 +242,19 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const tr
   }
   v.visibility.isovalue = static_cast<float>((view.isovalue - tree.offset) / tree.scale);
   if (view.mode == scene::Mode::isosurface) v.iso_color = Vec3f(view.functions[0].color(view.isovalue));
-  v.lighting = scene::place_lights(view.lighting, v.camera.forward, v.camera.right, v.camera.up);
+  v.lighting = scene::place_lights(view.lighting, film.camera.forward, film.camera.right, film.camera.up);
   return frame;
+}
+
+Bundle Frame::bundle_at(const exec::Device& device, const tree::TreeDescription& tree, Vec3dd origin,
+                        ConeShape cones) const {
+  return {device, tree, visible_, origin, cones, {view_.finest_width, view_.stride, view_.finest_alone}};
+}
+
+FrameView Frame::view_from(const Bundle& bundle) const {
+  FrameView view = view_;
+  view.bundle = bundle.view();
+  return view;
 }
 
 std::shared_ptr<const Frame::Tables> Frame::make_tables(const exec::Device& device,

@@ -1,21 +1,15 @@
 /// \file
-/// Frame: everything that is the same for all rays of a picture, computed once; FrameView is what kernels
-/// take.
+/// FrameView: an object as the rays of a bundle see it, which is what kernels take. Frame: owns that of a
+/// camera's rays, computed once a picture.
 ///
-/// Along a ray, t is the distance from the camera in the world. Steps are counted in *ticks*, steps of the
-/// finest level, from where the ray enters the volume. A step of level l is stride[l] = N^(max_level - l)
-/// ticks long and starts at a multiple of it, so that where a ray takes its samples depends on the ray alone:
-/// not on nodes, not on what is resident. Ticks are whole numbers in doubles: beyond 2^53, which takes trees
-/// of more than 30 levels, they are rounded, by far less than the steps that are taken out there.
+/// Along a ray, t is the distance from the bundle's origin in the world. Steps are counted in *ticks*, steps
+/// of the finest level, from where the ray enters the volume. A step of level l is stride[l] = N^(max_level -
+/// l) ticks long and starts at a multiple of it, so that where a ray takes its samples depends on the ray
+/// alone: not on nodes, not on what is resident. Ticks are whole numbers in doubles: beyond 2^53, which takes
+/// trees of more than 30 levels, they are rounded, by far less than the steps that are taken out there.
 ///
 /// Where levels are blended, and steps are pre-integrated, a step may be as long as one of the coarser level:
-/// what is seen is as wide as its voxels, or nearly.
-///
-/// A ray is a cone. Where it is View::detail voxels of level l wide, that level alone is sampled; from there
-/// on the next coarser one is blended in, until the cone is as many of its voxels wide:
-///
-///     t        0 ........ lod_distance[2] ........ lod_distance[1] .............. lod_distance[0] ......
-///     level        2 = max       |   2, more and more of 1   |   1, more and more of 0   |   0
+/// what is seen is as wide as its voxels, or nearly. Which levels they are, bundle_view.h says.
 #pragma once
 
 #include <cmath>
@@ -27,7 +21,9 @@
 #include "gvx/core/result.h"
 #include "gvx/exec/buffer.h"
 #include "gvx/exec/device.h"
-#include "gvx/render/frame/level_view.h"
+#include "gvx/render/frame/bundle.h"
+#include "gvx/render/frame/bundle_view.h"
+#include "gvx/render/frame/film_view.h"
 #include "gvx/render/frame/view.h"
 #include "gvx/tree/tree_description.h"
 
@@ -40,26 +36,17 @@ struct alignas(16) StepColor {
 };
 
 struct FrameView {
-  scene::CameraView camera;
-  std::uint32_t width = 0, height = 0;  ///< in rays
+  BundleView bundle;
   Affine3 world_to_tree;
-  Box3d box;                          ///< of the visible volume in tree space, from the eye
-  const LevelView* levels = nullptr;  ///< of the tree, up to max_level
-  Vec3d root;                         ///< counted from the node of its size that the eye is in
-  /// Of each ray between which distances it sees anything, or null: a proxy's (scene/proxy.h). What is cut
-  /// off makes no difference to a picture; steps are those that they are without.
-  const RayInterval* proxy = nullptr;
   double tick_world = 0;
   int max_level = 0;
   AddedNoise noise;  ///< where adds_noise
   bool adds_noise = false;
-  Vec3d eye_tree;                        ///< the eye in tree space
-  double finest_voxel = 0;               ///< its width in tree space
-  double lod_distance[kMaxLevels] = {};  ///< the cone is View::detail voxels of level l wide there
-  double stride[kMaxLevels] = {};        ///< of a step of level l, in ticks
-  bool blends_in_long_steps = false;     ///< those of blended levels are of the coarser one
-  float fixed_blend = -1;  ///< share of the coarser level everywhere, if not negative (orthographic)
-  int fixed_level = 0;     ///< and the level then
+  double finest_voxel = 0;            ///< its width in tree space
+  double finest_width = 0;            ///< of a cone for the finest level: LevelWidths
+  bool finest_alone = false;          ///< LevelWidths
+  double stride[kMaxLevels] = {};     ///< of a step of level l, in ticks
+  bool blends_in_long_steps = false;  ///< those of blended levels are of the coarser one
   VoxelFormat format;
   scene::Visibility visibility;
   scene::LightingView lighting;
@@ -105,9 +92,9 @@ struct FrameView {
   GVX_HD Zone zone_at(double enter, double tick) const {
     Zone zone;
     const bool blends = format.content != VoxelContent::labels;
-    if (fixed_blend >= 0) {
-      zone.level = fixed_level;
-      zone.blended = blends && fixed_blend > 0 && fixed_level > 0;
+    if (bundle.fixed_blend >= 0) {
+      zone.level = bundle.fixed_level;
+      zone.blended = blends && bundle.fixed_blend > 0 && bundle.fixed_level > 0;
       return zone;
     }
     zone.level = max_level;
@@ -137,25 +124,28 @@ struct FrameView {
 
   /// The same before it is held from 0 to 1: even in t.
   GVX_HD double share_at(int level, double t) const {
-    if (fixed_blend >= 0) return fixed_blend;
-    const double from = lod_distance[level], to = lod_distance[level - 1];
+    if (bundle.fixed_blend >= 0) return bundle.fixed_blend;
+    const double from = bundle.lod_distance[level], to = bundle.lod_distance[level - 1];
     return (t - from) / (to - from);
   }
 
   /// The width of the voxels that are seen at distance t, in tree space: even in t, whatever levels are
   /// there.
   GVX_HD double footprint(double t) const {
-    if (fixed_blend >= 0) {
-      const double coarser = fixed_level > 0 ? stride[fixed_level - 1] : stride[fixed_level];
-      return finest_voxel * (stride[fixed_level] + fixed_blend * (coarser - stride[fixed_level]));
+    if (bundle.fixed_blend >= 0) {
+      const int level = bundle.fixed_level;
+      const double coarser = level > 0 ? stride[level - 1] : stride[level];
+      return finest_voxel * (stride[level] + bundle.fixed_blend * (coarser - stride[level]));
     }
-    const double voxels = t / lod_distance[max_level];
+    const double voxels = (t - bundle.apex) / (bundle.lod_distance[max_level] - bundle.apex);
     return voxels > 1 ? voxels * finest_voxel : finest_voxel;
   }
 
   /// The stride of the steps around distance t, of a ray that enters at `enter`, or a multiple of it.
   GVX_HD double stride_at(double enter, double t) const {
-    if (fixed_blend >= 0) return stride_of(fixed_level, fixed_blend > 0 && fixed_level > 0);
+    if (bundle.fixed_blend >= 0) {
+      return stride_of(bundle.fixed_level, bundle.fixed_blend > 0 && bundle.fixed_level > 0);
+    }
     int level = max_level;
     while (level > 0 && (t - enter) / tick_world >= handover(level - 1, enter)) --level;
     return stride_of(level, level > 0);
@@ -176,7 +166,7 @@ struct FrameView {
 
   /// The first tick from which on the cone is View::detail voxels of `level` wide, or kNever.
   GVX_HD double handover(int level, double enter) const {
-    const double tick = (lod_distance[level] - enter) / tick_world;
+    const double tick = (bundle.lod_distance[level] - enter) / tick_world;
     if (!(tick < kNever)) return kNever;
     return tick > 0 ? std::ceil(tick) : 0;
   }
@@ -196,15 +186,25 @@ struct FrameView {
 std::uint32_t subrays_of(const View& view, const tree::TreeDescription& tree);
 inline constexpr std::uint32_t kMostSubrays = 4;
 
+/// Rays of the film of a view. An error where the view has none, or no camera.
+Result<FilmView> film_of(const View& view);
+
 /// Owns the tables behind a FrameView; frames of the same transfer functions share them.
 class Frame {
  public:
   /// An error where the view cannot be made: a bad camera, function, clip box or size. `previous`, if not
-  /// null, is a frame on the same device and tree whose tables are taken where they are the same.
+  /// null, is a frame on the same device and tree whose tables are taken where they are the same. The rays
+  /// are those of film_of(view).
   static Result<Frame> make(const exec::Device& device, const View& view, const tree::TreeDescription& tree,
                             const Frame* previous = nullptr);
 
   FrameView view() const { return view_; }
+
+  /// The same object, for cones from around `origin`, in the world, through what the picture shows of the
+  /// tree. The bundle must outlive what is marched with it.
+  Bundle bundle_at(const exec::Device& device, const tree::TreeDescription& tree, Vec3dd origin,
+                   ConeShape cones) const;
+  FrameView view_from(const Bundle& bundle) const;
 
  private:
   /// A transfer function's tables on the device.
@@ -234,7 +234,8 @@ class Frame {
                                                    double most_extinction);
 
   FrameView view_;
-  exec::Buffer<LevelView> levels_;
+  Box3d visible_;  // of the tree
+  Bundle bundle_;
   std::vector<std::shared_ptr<const Tables>> tables_;
   std::shared_ptr<const StepTable> steps_;
 };

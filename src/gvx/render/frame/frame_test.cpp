@@ -28,11 +28,11 @@ TEST(Frame, level_follows_the_cone) {
   const tree::TreeDescription tree = tree_of(2, 16, 5);
   const Frame frame = Frame::make(exec::Device::cpu(), simple_view(), tree).value();
   const FrameView v = frame.view();
-  const double finest_voxel = 1.0 / (16 * 32);
+  const double finest_voxel = 1.0 / (16 * 32), pixel = film_of(simple_view()).value().camera.pixel;
   EXPECT_EQ(v.zone_at(0, 0).level, 5);
   for (int level = 0; level < 5; ++level) {
     // Level l serves from where two of its voxels are as wide as the pixel.
-    const double t = 2 * finest_voxel * static_cast<double>(1 << (5 - level)) / v.camera.pixel;
+    const double t = 2 * finest_voxel * static_cast<double>(1 << (5 - level)) / pixel;
     EXPECT_EQ(v.zone_at(t * 1.0001, 0).level, level);
     EXPECT_EQ(v.zone_at(t * 0.9999, 0).level, level + 1);
     EXPECT_EQ(v.stride[level], 1 << (5 - level));

@@ -23,8 +23,8 @@ namespace gvx::render {
 template <typename Voxel, int N, int M>
 class RayMarcher {
  public:
-  GVX_HD RayMarcher(const PassView<Voxel, N, M>& view, double pixel_x, double pixel_y)
-      : view_(view), walk_(view), ray_(view.frame, pixel_x, pixel_y), inside_(ray_.inside) {
+  GVX_HD RayMarcher(const PassView<Voxel, N, M>& view, const FilmRay& ray)
+      : view_(view), walk_(view), ray_(view.frame, ray), inside_(ray_.inside) {
     for (int axis = 0; axis < 3; ++axis) inverse_direction_[axis] = 1 / ray_.tree.direction[axis];
   }
 
@@ -117,7 +117,7 @@ class RayMarcher {
     double zone_end;  ///< the tick at which a coarser level takes over, or begins to be blended in
     bool blended;     ///< some of the next coarser level is seen
     double t_centre;
-    Vec3d p;  ///< its centre in tree space, from the eye
+    Vec3d p;  ///< its centre in tree space, from the bundle's origin
   };
 
   /// Moves a preview's ray behind the next node.
@@ -180,7 +180,7 @@ class RayMarcher {
   }
 
   GVX_HD Place descend(const Step& step, RayState& state) const {
-    const LevelView& level = view_.frame.levels[step.level];
+    const LevelView& level = view_.frame.bundle.levels[step.level];
     Vec3d cell;
     for (int axis = 0; axis < 3; ++axis) cell[axis] = level.cell_at(axis, step.p[axis]);
     return walk_.to(step.level, step.blended, cell,
@@ -189,7 +189,7 @@ class RayMarcher {
 
   /// How many steps of this length have their centres in a place's node, of which one is at `t_centre`.
   GVX_HD double steps_in(const Place& place, double t_centre, double t_step) const {
-    const LevelView& level = view_.frame.levels[place.level];
+    const LevelView& level = view_.frame.bundle.levels[place.level];
     double t_exit = inside_.exit;
     for (int axis = 0; axis < 3; ++axis) {
       const double d = ray_.tree.direction[axis];
@@ -260,7 +260,7 @@ class RayMarcher {
     s.blended = place.blended;
     if (view_.frame.adds_noise) {
       s.noisy = &view_.frame;
-      s.place = view_.frame.eye_tree + step.p;
+      s.place = view_.frame.bundle.origin + step.p;
       s.place_step = t_step * ray_.tree.direction;
     }
     if (s.blended) s.coarse = path_in(place.parent_slot, place.level - 1, step, place, t_step);

@@ -18,6 +18,7 @@ namespace gvx::render::kernels {
 template <typename Voxel, int N, int M>
 struct MarchExact {
   PassView<Voxel, N, M> view;
+  FilmView film;
   exec::TileGrid grid;
   exec::BufferView<RayState> rays;
   exec::BufferView<std::uint32_t> unfinished;
@@ -25,14 +26,16 @@ struct MarchExact {
   std::uint64_t lone_ray;
 
   GVX_HD void operator()(std::uint32_t x, std::uint32_t y) const {
-    const std::size_t index = std::size_t(y) * view.frame.width + x;
+    const std::size_t index = film.index(x, y);
     RayState& ray = rays[index];
     if (ray.epoch != epoch) {
       ray = RayState{};
       ray.epoch = epoch;
     }
     if (ray.phase == RayPhase::finished) return;
-    if (lone_ray == Pass::kAllRays || lone_ray == index) RayMarcher<Voxel, N, M>(view, x, y).march_exact(ray);
+    if (lone_ray == Pass::kAllRays || lone_ray == index) {
+      RayMarcher<Voxel, N, M>(view, film.ray(x, y)).march_exact(ray);
+    }
     if (ray.phase != RayPhase::finished) exec::store_relaxed(&unfinished[grid.tile_of(x, y)], 1);
   }
 };
@@ -40,6 +43,7 @@ struct MarchExact {
 template <typename Voxel, int N, int M>
 struct MarchPreview {
   PassView<Voxel, N, M> view;
+  FilmView film;
   std::uint32_t block;
   std::uint32_t generation;
   exec::BufferView<const RayState> rays;
@@ -48,12 +52,12 @@ struct MarchPreview {
 
   GVX_HD void operator()(std::uint32_t block_x, std::uint32_t block_y) const {
     const std::uint32_t x = block_x * block, y = block_y * block;
-    const std::size_t pixel = std::size_t(y) * view.frame.width + x;
+    const std::size_t pixel = film.index(x, y);
     if (rays[pixel].epoch == epoch && rays[pixel].phase == RayPhase::finished) return;
     if (pixels[pixel].epoch == epoch && pixels[pixel].generation == generation) return;
     RayState state;
     PreviewPixel drawn;
-    RayMarcher<Voxel, N, M>(view, x, y).march_preview(state, drawn);
+    RayMarcher<Voxel, N, M>(view, film.ray(x, y)).march_preview(state, drawn);
     drawn.color = state.color;
     drawn.opacity = state.opacity;
     pixels[pixel] = drawn;
@@ -77,9 +81,9 @@ template <typename Voxel>
 bool march_exact(const exec::Device& device, const ExactMarch& march) {
   const Pass& pass = march.pass;
   return with_view<Voxel>(pass.object(), pass.number, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
-    return for_each_ray<N, M>(
-        device, "march_exact", march,
-        MarchExact<Voxel, N, M>{view, march.grid, march.rays, march.unfinished, pass.epoch, pass.lone_ray});
+    return for_each_ray<N, M>(device, "march_exact", march,
+                              MarchExact<Voxel, N, M>{view, pass.film, march.grid, march.rays,
+                                                      march.unfinished, pass.epoch, pass.lone_ray});
   });
 }
 
@@ -87,9 +91,10 @@ template <typename Voxel>
 bool march_preview(const exec::Device& device, const PreviewMarch& march) {
   return with_view<Voxel>(
       march.pass.object(), march.pass.number, [&]<int N, int M>(const PassView<Voxel, N, M>& view) {
-        return for_each_ray<N, M>(device, "march_preview", march,
-                                  MarchPreview<Voxel, N, M>{view, march.block, march.generation, march.rays,
-                                                            march.pixels, march.pass.epoch});
+        return for_each_ray<N, M>(
+            device, "march_preview", march,
+            MarchPreview<Voxel, N, M>{view, march.pass.film, march.block, march.generation, march.rays,
+                                      march.pixels, march.pass.epoch});
       });
 }
 
@@ -99,7 +104,7 @@ class MarchOfObject final : public ObjectMarch {
  public:
   explicit MarchOfObject(const PassView<Voxel, N, M>& view) : view_(view) {}
 
-  void begin(double pixel_x, double pixel_y) override { ray_.emplace(view_, pixel_x, pixel_y); }
+  void begin(const FilmRay& ray) override { ray_.emplace(view_, ray); }
   bool projects() const override { return render::projects(view_.frame); }
   void march_exact(RayState& state) const override { ray_->march_exact(state); }
   void march_projection(RayState& state, double& found, PreviewPixel* preview) const override {

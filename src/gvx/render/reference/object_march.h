@@ -26,8 +26,8 @@ class ObjectMarch {
  public:
   virtual ~ObjectMarch() = default;
 
-  /// From now on it is the ray of this pixel that marches.
-  virtual void begin(double pixel_x, double pixel_y) = 0;
+  /// From now on it is this ray of the frame's bundle that marches.
+  virtual void begin(const FilmRay& ray) = 0;
 
   /// Does it show a greatest, least or mean value?
   virtual bool projects() const = 0;

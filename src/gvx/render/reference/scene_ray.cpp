@@ -55,7 +55,7 @@ void enter_segment(RayState& state, std::size_t next, std::size_t spans) {
 bool march_segment(const RayThroughObjects& ray, RayState& state, PreviewPixel* preview, RayReach* reach) {
   const std::size_t end = segment_end(ray.spans, state.segment);
   const std::span<const RaySpan> segment = ray.spans.subspan(state.segment, end - state.segment);
-  for (const RaySpan& span : segment) ray.objects[span.object]->begin(ray.x, ray.y);
+  for (const RaySpan& span : segment) ray.objects[span.object]->begin(ray.ray);
   const bool projecting = std::any_of(segment.begin(), segment.end(), [&](const RaySpan& span) {
     return ray.objects[span.object]->projects();
   });
@@ -69,10 +69,10 @@ bool march_segment(const RayThroughObjects& ray, RayState& state, PreviewPixel* 
   return true;
 }
 
-SceneRay::SceneRay(const Pass& pass, double x, double y) : x_(x), y_(y) {
+SceneRay::SceneRay(const Pass& pass, double x, double y) : ray_(pass.film.ray(x, y)) {
   for (std::uint32_t i = 0; i < pass.objects.size(); ++i) {
     const ObjectView& object = pass.objects[i];
-    const ObjectRay ray(object.frame, x, y);
+    const ObjectRay ray(object.frame, ray_);
     if (ray.inside.empty()) continue;
     spans_.emplace_back(object.frame, ray, static_cast<std::uint32_t>(marches_.size()));
     objects_.push_back(i);
@@ -87,7 +87,7 @@ RayState SceneRay::march(PreviewPixel& pixel, RayReach* reach) const {
   std::vector<ProjectedSample> samples(spans_.size());
   const auto goes_on = [&] { return state.phase == RayPhase::under_way && state.segment < spans_.size(); };
   while (goes_on() && (reach == nullptr || reach->object < 0)) {
-    march_segment({x_, y_, spans_, marches_, &projection, samples}, state, &pixel, reach);
+    march_segment({ray_, spans_, marches_, &projection, samples}, state, &pixel, reach);
   }
   return state;
 }

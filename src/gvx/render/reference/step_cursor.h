@@ -20,8 +20,7 @@ class StepCursor : public RayMarcher<Voxel, N, M> {
   using typename March::Step;
 
  public:
-  GVX_HD StepCursor(const PassView<Voxel, N, M>& view, double pixel_x, double pixel_y)
-      : March(view, pixel_x, pixel_y) {
+  GVX_HD StepCursor(const PassView<Voxel, N, M>& view, const FilmRay& ray) : March(view, ray) {
     zone_ = view.frame.zone_at(this->inside_.enter, 0);
   }
 
@@ -86,7 +85,7 @@ class StepCursor : public RayMarcher<Voxel, N, M> {
     walk_blended_ = step.blended;
     first_ = last_ = place_.cell;
     for (int level = place_.level + 1; level <= step.level; ++level) {
-      const Vec3d digit = this->view_.frame.levels[level].digit;
+      const Vec3d digit = this->view_.frame.bundle.levels[level].digit;
       first_ = double(N) * first_ - digit;
       last_ = double(N) * last_ - digit + Vec3d(N - 1);
     }
@@ -101,7 +100,7 @@ class StepCursor : public RayMarcher<Voxel, N, M> {
     const double t = this->t_at(step.tick + (later + 0.5) * step.stride);
     if (!(t < this->inside_.exit)) return false;
     const Vec3d p = this->ray_.tree.at(t);
-    const LevelView& level = this->view_.frame.levels[step.level];
+    const LevelView& level = this->view_.frame.bundle.levels[step.level];
     for (int axis = 0; axis < 3; ++axis) {
       const double cell = level.cell_at(axis, p[axis]);
       if (cell < first_[axis] || cell > last_[axis]) return false;

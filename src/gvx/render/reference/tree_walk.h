@@ -122,9 +122,9 @@ class TreeWalk {
   GVX_HD Place to(int level, bool blended, Vec3d cell, const Outdone& outdone) const {
     const tree::NodePoolView& nodes = view_.nodes;
     Place place;
-    const LevelView* levels = view_.frame.levels;
+    const LevelView* levels = view_.frame.bundle.levels;
     PathDown<N> path(levels[level], level, cell);
-    place.cell = view_.frame.root;
+    place.cell = view_.frame.bundle.root;
     std::uint32_t tile = 0, index = 0;
     while (true) {
       view_.tile_usage.touch(tile, view_.pass);
@@ -227,9 +227,9 @@ struct BrickCorner {
 
   GVX_HD BrickCorner(const FrameView& frame, const Place& place, int level) {
     Vec3d cell = place.cell;
-    for (int l = place.level; l > level; --l) cell = frame.levels[l].parent(cell, N);
-    across = frame.levels[level].across;
-    corner = frame.levels[level].corner(cell);
+    for (int l = place.level; l > level; --l) cell = frame.bundle.levels[l].parent(cell, N);
+    across = frame.bundle.levels[level].across;
+    corner = frame.bundle.levels[level].corner(cell);
   }
 };
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "gvx/core/affine.h"
-#include "gvx/core/box_corner.h"
+#include "gvx/core/box_parts.h"
 
 namespace gvx::render {
 namespace {
@@ -18,15 +18,15 @@ void put_span(double from, double to, std::uint32_t count, std::int32_t& first, 
 
 }  // namespace
 
-FilmRect film_rect_of(const FrameView& frame) {
-  const scene::CameraView& camera = frame.camera;
-  const Affine3 tree_to_world = inverse(frame.world_to_tree);
-  const FilmRect all{0, static_cast<std::int32_t>(frame.width) - 1, 0,
-                     static_cast<std::int32_t>(frame.height) - 1};
+FilmRect film_rect_of(const FilmView& film, const FrameView& object) {
+  const scene::CameraView& camera = film.camera;
+  const Affine3 tree_to_world = inverse(object.world_to_tree);
+  const FilmRect all{0, static_cast<std::int32_t>(film.width) - 1, 0,
+                     static_cast<std::int32_t>(film.height) - 1};
   double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, nearest = INFINITY,
          farthest = -INFINITY, reach = 0;
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3d p = box_corner(frame.box, corner);
+    const Vec3d p = box_corner(object.bundle.box, corner);
     const Vec3d from_eye = tree_to_world.vector(p);
     const double ahead = dot(from_eye, camera.forward), scale = camera.orthographic ? 1 : ahead;
     const double at[2] = {camera.half_width - 0.5 + dot(from_eye, camera.right) / (scale * camera.pixel),
@@ -36,14 +36,14 @@ FilmRect film_rect_of(const FrameView& frame) {
     farthest = std::max(farthest, ahead);
     reach = std::max(reach, length(from_eye));
   }
-  if (frame.box.empty() || farthest < 0) return {};
+  if (object.bundle.box.empty() || farthest < 0) return {};
   // Beside the eye projections are of no use.
   constexpr double kBeside = 1e-6;
   const bool sound = camera.orthographic || nearest > kBeside * reach;
   if (!sound || !std::isfinite(low[0] + high[0] + low[1] + high[1])) return all;
   FilmRect rect;
-  put_span(low[0], high[0], frame.width, rect.x0, rect.x1);
-  put_span(low[1], high[1], frame.height, rect.y0, rect.y1);
+  put_span(low[0], high[0], film.width, rect.x0, rect.x1);
+  put_span(low[1], high[1], film.height, rect.y0, rect.y1);
   return rect;
 }
 
@@ -56,12 +56,11 @@ void ObjectTiles::for_tiles(const FilmRect& rect, Function function) const {
   }
 }
 
-ObjectTiles::ObjectTiles(std::span<const ObjectView> objects) {
-  GVX_CHECK(!objects.empty());
-  grid_ = {objects[0].frame.width, objects[0].frame.height};
+ObjectTiles::ObjectTiles(const FilmView& film, std::span<const ObjectView> objects)
+    : grid_{film.width, film.height} {
   first_.resize(grid_.tiles() + 1);
   for (const ObjectView& object : objects) {
-    rects_.push_back(film_rect_of(object.frame));
+    rects_.push_back(film_rect_of(film, object.frame));
     for_tiles(rects_.back(), [&](std::uint32_t tile) { ++first_[tile + 1]; });
   }
   for (std::size_t tile = 1; tile < first_.size(); ++tile) first_[tile] += first_[tile - 1];

@@ -23,11 +23,11 @@ struct FilmRect {
 };
 
 /// The rays that may meet the visible volume of an object.
-FilmRect film_rect_of(const FrameView& frame);
+FilmRect film_rect_of(const FilmView& film, const FrameView& object);
 
 class ObjectTiles {
  public:
-  explicit ObjectTiles(std::span<const ObjectView> objects);
+  ObjectTiles(const FilmView& film, std::span<const ObjectView> objects);
 
   const FilmRect& rect_of(std::uint32_t object) const { return rects_[object]; }
   /// The objects, by their indices, that rays of a rectangle may meet; ascending.

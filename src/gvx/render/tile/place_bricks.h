@@ -64,7 +64,7 @@ class PlaceBricks {
     if (place.blended && post && !function.hides_lowest_only()) return kAll;
     const std::uint64_t cells = cells_of(place.slot, place.brick_level);
     if (!place.blended || cells == kAll) return cells;
-    const Vec3d child = frame_.levels[place.level].child(place.cell, N);
+    const Vec3d child = frame_.bundle.levels[place.level].child(place.cell, N);
     const int digit[3] = {static_cast<int>(child.x), static_cast<int>(child.y), static_cast<int>(child.z)};
     return cells | cells_of_child<N>(cells_of(place.parent_slot, place.level - 1), digit);
   }
@@ -77,7 +77,7 @@ class PlaceBricks {
     const BrickCorner<N> at(frame_, place, level);
     path.voxels_across = static_cast<float>(at.across * bricks_.m());
     const bool is_parent = place.blended && level != place.level;
-    const Vec3d child = is_parent ? frame_.levels[place.level].child(place.cell, N) : Vec3d();
+    const Vec3d child = is_parent ? frame_.bundle.levels[place.level].child(place.cell, N) : Vec3d();
     for (int axis = 1; axis < 3; ++axis) {
       const auto digit = static_cast<std::uint32_t>(child[axis]);
       const std::uint32_t m = bricks_.m();

@@ -15,7 +15,7 @@ namespace {
 class TilesOfPass {
  public:
   explicit TilesOfPass(const Pass& pass) {
-    if (pass.object_tiles == nullptr) own_.emplace(pass.objects);
+    if (pass.object_tiles == nullptr) own_.emplace(pass.film, pass.objects);
     tiles_ = own_ ? &*own_ : pass.object_tiles;
   }
   const ObjectTiles& operator*() const { return *tiles_; }

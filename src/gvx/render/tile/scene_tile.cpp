@@ -56,11 +56,12 @@ void SceneTile::put_spans(const ActiveRays& marching) {
     first_[ray] = static_cast<std::uint32_t>(spans_.size());
     if (!marching.has(ray)) continue;
     const double x = x_of(ray), y = y_of(ray);
+    const FilmRay of_film = ray_of(ray);
     for (std::uint32_t i = 0; i < objects_.size(); ++i) {
       Object& object = objects_[i];
       if (!(x >= object.rect.x0 && x <= object.rect.x1 && y >= object.rect.y0 && y <= object.rect.y1))
         continue;
-      const ObjectRay through(object.view->frame, x, y);
+      const ObjectRay through(object.view->frame, of_film);
       if (through.inside.empty()) continue;
       spans_.emplace_back(object.view->frame, through, i);
       object.nearest = std::min(object.nearest, spans_.back().enter);
@@ -104,7 +105,7 @@ void SceneTile::go_on(std::uint32_t ray) {
       return object.waiting.set(ray);
     }
     if (has_late_ray()) return;
-    RayThroughObjects through{x_of(ray), y_of(ray), spans, marches_};
+    RayThroughObjects through{ray_of(ray), spans, marches_};
     put_projection(ray, through);
     PreviewPixel* const pixel = pixels_ != nullptr ? &pixels_[ray] : nullptr;
     if (!march_segment(through, state, pixel)) return;
@@ -123,8 +124,8 @@ void SceneTile::put_projection(std::uint32_t ray, RayThroughObjects& through) {
   }
   const ProjectionsView& film = pass_.projections;
   GVX_CHECK(projecting_ <= film.objects);
-  const std::size_t index = static_cast<std::size_t>(y_of(ray)) * objects_[0].view->frame.width +
-                            static_cast<std::size_t>(x_of(ray));
+  const std::size_t index =
+      pass_.film.index(static_cast<std::uint32_t>(x_of(ray)), static_cast<std::uint32_t>(y_of(ray)));
   RayProjection& projection = film.rays[index];
   if (projection.epoch != pass_.epoch) projection = {.epoch = pass_.epoch};
   through.projection = &projection;
@@ -138,7 +139,7 @@ void SceneTile::march_waiting(std::uint32_t index) {
   if (object.projects) {
     project(index, rays);
   } else {
-    march_object(*object.view, pass_.number, rays_, rays, states_, pixels_, deadline_);
+    march_object(pass_, *object.view, rays_, rays, states_, pixels_, deadline_);
   }
   rays.for_each([&](std::uint32_t ray) {
     if (states_[ray].phase != RayPhase::finished) return;
@@ -152,19 +153,19 @@ void SceneTile::march_waiting(std::uint32_t index) {
 void SceneTile::project(std::uint32_t index, const ActiveRays& rays) {
   gathering_.assign(TileRays::kMost, RayState{});
   const auto place_of = [&](std::uint32_t ray) {
-    RayThroughObjects place{x_of(ray), y_of(ray), {}, marches_};
+    RayThroughObjects place{{}, {}, marches_};
     put_projection(ray, place);
     return place.projection;
   };
   rays.for_each([&](std::uint32_t ray) { gathering_[ray] = place_of(ray)->gathering; });
   const ActiveRays stubs =
-      march_object(*objects_[index].view, pass_.number, rays_, rays, gathering_.data(), pixels_, deadline_);
+      march_object(pass_, *objects_[index].view, rays_, rays, gathering_.data(), pixels_, deadline_);
   rays.for_each([&](std::uint32_t ray) {
     RayProjection& projection = *place_of(ray);
     projection.gathering = gathering_[ray];
     RayState& gathered = projection.gathering;
     if (stubs.has(ray)) {
-      marches_[index]->begin(x_of(ray), y_of(ray));
+      marches_[index]->begin(ray_of(ray));
       marches_[index]->march_projection(gathered, projection.found,
                                         pixels_ != nullptr ? &pixels_[ray] : nullptr);
     }

@@ -42,6 +42,7 @@ class SceneTile {
   void put_spans(const ActiveRays& marching);
   double x_of(std::uint32_t ray) const { return rays_.x0 + rays_.apart * double(ray % TileRays::kEdge); }
   double y_of(std::uint32_t ray) const { return rays_.y0 + rays_.apart * double(ray / TileRays::kEdge); }
+  FilmRay ray_of(std::uint32_t ray) const { return pass_.film.ray(x_of(ray), y_of(ray)); }
   bool has_late_ray();
   void go_on(std::uint32_t ray);
   void put_projection(std::uint32_t ray, RayThroughObjects& through);

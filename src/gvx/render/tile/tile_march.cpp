@@ -24,11 +24,11 @@ bool tile_preview(const exec::Device& cpu, const PreviewMarch& march) {
 namespace {
 
 template <int N>
-ActiveRays march_object_of(const ObjectView& object, std::uint32_t pass, const RaysOfTile& tile,
+ActiveRays march_object_of(const Pass& pass, const ObjectView& object, const RaysOfTile& tile,
                            const ActiveRays& rays, RayState* states, PreviewPixel* pixels,
                            exec::Deadline deadline) {
-  const TilesView view(object, pass);
-  const TileProjection projection(object.frame, tile.apart);
+  const TilesView view(pass, object);
+  const TileProjection projection(pass.film.camera, object.frame.world_to_tree, tile.apart);
   TileMarcher<N> marcher(view, projection, tile.x0, tile.y0, tile.apart, tile.edge, tile.preview);
   marcher.leave_out_all_but(rays);
   rays.for_each([&](std::uint32_t i) {
@@ -49,11 +49,11 @@ ActiveRays march_object_of(const ObjectView& object, std::uint32_t pass, const R
 
 }  // namespace
 
-ActiveRays march_object(const ObjectView& object, std::uint32_t pass, const RaysOfTile& tile,
+ActiveRays march_object(const Pass& pass, const ObjectView& object, const RaysOfTile& tile,
                         const ActiveRays& rays, RayState* states, PreviewPixel* pixels,
                         exec::Deadline deadline) {
   return with_children(object.n, [&](auto n) {
-    return march_object_of<decltype(n)::value>(object, pass, tile, rays, states, pixels, deadline);
+    return march_object_of<decltype(n)::value>(pass, object, tile, rays, states, pixels, deadline);
   });
 }
 

@@ -39,7 +39,7 @@ struct RaysOfTile {
 /// each ray of a whole tile. A ray that is through is finished. To `pixels`, for previews, is added what they
 /// wanted. Returns the rays that it has left as they are, since they must be marched by themselves: of
 /// projections those that have no whole step in the object. A thread does one at a time.
-ActiveRays march_object(const ObjectView& object, std::uint32_t pass, const RaysOfTile& tile,
+ActiveRays march_object(const Pass& pass, const ObjectView& object, const RaysOfTile& tile,
                         const ActiveRays& rays, RayState* states, PreviewPixel* pixels,
                         exec::Deadline deadline);
 

@@ -59,12 +59,13 @@ struct TileStates {
 
 /// What all tiles share in which an object is marched.
 struct TilesView {
+  const FilmView& film;
   WalkView walk;
   TileBricks bricks;
   brick::CellMaskView cells;
 
-  TilesView(const ObjectView& object, std::uint32_t pass)
-      : walk(walk_view_of(object, pass)), bricks(object), cells(object.cells) {}
+  TilesView(const Pass& pass, const ObjectView& object)
+      : film(pass.film), walk(walk_view_of(object, pass.number)), bricks(object), cells(object.cells) {}
 };
 
 template <int N>
@@ -74,10 +75,11 @@ class TileMarcher {
   /// `preview`: they make do with what is resident. A thread has one at a time.
   TileMarcher(const TilesView& tiles, const TileProjection& projection, double x0, double y0, double apart,
               std::uint32_t edge, bool preview)
-      : view_(tiles.walk),
+      : film_(tiles.film),
+        view_(tiles.walk),
         walk_(tiles.walk),
         preview_(preview),
-        zones_(view_.frame.fixed_blend < 0 && view_.frame.lod_distance[0] < 1e300),
+        zones_(view_.frame.bundle.fixed_blend < 0 && view_.frame.bundle.lod_distance[0] < 1e300),
         blends_(view_.frame.format.content != VoxelContent::labels),
         projects_(render::projects(view_.frame)),
         vectors_(vectors_for(view_.frame)),
@@ -92,11 +94,11 @@ class TileMarcher {
     const FrameView& frame = view_.frame;
     active_ = ActiveRays::all_of(edge, edge);
     projection_.begin_tile(x0, y0);
-    if (frame.camera.orthographic) {
-      const Vec3d forward = frame.world_to_tree.vector(frame.camera.forward);
+    if (film_.camera.orthographic) {
+      const Vec3d forward = frame.world_to_tree.vector(film_.camera.forward);
       for (int axis = 0; axis < 3; ++axis) viewpoint_[axis] = forward[axis] > 0 ? -1e300 : 1e300;
     }
-    if (preview || projects_ || frame.proxy != nullptr) set_out();
+    if (preview || projects_ || film_.proxy != nullptr) set_out();
   }
 
   /// Ray `index` goes on from where it was.
@@ -129,7 +131,7 @@ class TileMarcher {
     left_ = active_.count();
     const ActiveRays begun = active_;
     At root;
-    root.cell = view_.frame.root;
+    root.cell = view_.frame.bundle.root;
     if (left_ > 0 && !view_.hidden.at(0, 0)) visit(root, TileRect());
     if (projects_ && !stopped_) {
       begun.for_each([&](std::uint32_t ray) {
@@ -198,12 +200,12 @@ class TileMarcher {
     const FrameView& frame = view_.frame;
     TileRays& rays = work_.rays;
     const ActiveRays wanted = active_;
-    active_ = set_up(frame, x0_, y0_, apart_, edge_, rays);
+    active_ = set_up(frame, film_.camera, x0_, y0_, apart_, edge_, rays);
     const std::uint32_t many = edge_ * TileRays::kEdge;
     std::fill_n(rays.tick, many, 0.0);
     std::memset(rays.gathered, 0, many * sizeof(rays.gathered[0]));
     std::memset(rays.samples, 0, many * sizeof(rays.samples[0]));
-    if (frame.proxy != nullptr) cut_by_proxy();
+    if (film_.proxy != nullptr) cut_by_proxy();
     if (preview_) std::fill_n(work_.pixel, many, PreviewPixel());
     if (zones_) {
       rays.begin_zones();
@@ -228,10 +230,10 @@ class TileMarcher {
     active_.for_each([&](std::uint32_t ray) {
       const std::uint32_t column = ray % TileRays::kEdge, row = ray / TileRays::kEdge;
       const double x = x0_ + apart_ * column, y = y0_ + apart_ * row;
-      if (!(x < frame.width && y < frame.height)) return;
+      if (!(x < film_.width && y < film_.height)) return;
       RayInterval inside{rays.enter[ray], rays.exit[ray]};
-      const std::size_t index = static_cast<std::size_t>(y) * frame.width + static_cast<std::size_t>(x);
-      rays.tick[ray] = frame.cut(frame.proxy[index], inside);
+      const std::size_t index = film_.index(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
+      rays.tick[ray] = frame.cut(film_.proxy[index], inside);
       rays.exit[ray] = inside.exit;
       resumed_ = resumed_ || rays.tick[ray] > 0;
       if (!inside.empty()) return;
@@ -254,10 +256,11 @@ class TileMarcher {
   void visit(const At& at, const TileRect& rect) {
     const FrameView& frame = view_.frame;
     const tree::ChildWord child = view_.nodes.child[at.node.value];
-    const LevelView& level = frame.levels[at.level];
+    const LevelView& level = frame.bundle.levels[at.level];
     const NodeBox box{level.corner(at.cell), level.corner(at.cell + Vec3d(1))};
     for (int axis = 0; axis < 3; ++axis) {
-      if (box.high[axis] <= frame.box.minimum[axis] || box.low[axis] >= frame.box.maximum[axis]) return;
+      if (box.high[axis] <= frame.bundle.box.minimum[axis] || box.low[axis] >= frame.bundle.box.maximum[axis])
+        return;
     }
     if (projects_ && all_outdone(at.node, rect)) return;
     // Rays that go on have passed the nodes before: these are neither kept nor asked for.
@@ -300,7 +303,7 @@ class TileMarcher {
   void visit_children(const At& within, TileIndex tile, const NodeBox& box, const TileRect& rect) {
     At child = within;
     child.level = within.level + 1;
-    const LevelView& level = view_.frame.levels[child.level];
+    const LevelView& level = view_.frame.bundle.levels[child.level];
     typename TileProjection::Rects rects;
     projection_.project_children(box.low, level.edge_high, N, rects);
     int order[3][N];
@@ -351,7 +354,7 @@ class TileMarcher {
   /// Certain not to leave out any: a zone may begin and end up to a step late.
   Levels levels_in(const NodeBox& box) const {
     const FrameView& frame = view_.frame;
-    if (frame.fixed_blend >= 0) return {frame.fixed_level, frame.fixed_level};
+    if (frame.bundle.fixed_blend >= 0) return {frame.bundle.fixed_level, frame.bundle.fixed_level};
     if (!zones_) return {frame.max_level, frame.max_level};
     const TileProjection::Distances t = projection_.distances(box);
     Levels levels{frame.max_level, frame.max_level, t.nearest, t.farthest};
@@ -359,16 +362,20 @@ class TileMarcher {
     while (levels.coarsest > 0 && t.farthest >= zone_begins(levels.coarsest - 1)) --levels.coarsest;
     return levels;
   }
-  double zone_begins(int level) const { return (1 - 1e-9) * view_.frame.lod_distance[level]; }
+  double zone_begins(int level) const {
+    const double t = view_.frame.bundle.lod_distance[level];
+    return t - 1e-9 * std::fabs(t);
+  }
   /// Up to where rays may not have noticed yet that the zone of `level` has begun.
   double zone_ends(int level) const {
     const FrameView& frame = view_.frame;
-    return (1 + 1e-9) * frame.lod_distance[level] + 2 * frame.stride_of(level, level > 0) * frame.tick_world;
+    const double t = frame.bundle.lod_distance[level];
+    return t + 1e-9 * std::fabs(t) + 2 * frame.stride_of(level, level > 0) * frame.tick_world;
   }
   bool may_be_zone(int level, bool blended, const Levels& levels) const {
     const FrameView& frame = view_.frame;
     if (level == 0 || !blends_) return !blended;
-    if (frame.fixed_blend >= 0) return blended == (frame.fixed_blend > 0);
+    if (frame.bundle.fixed_blend >= 0) return blended == (frame.bundle.fixed_blend > 0);
     if (!zones_) return !blended;
     if (level < frame.max_level) return blended;
     return blended ? levels.farthest >= zone_begins(level) : levels.nearest <= zone_ends(level);
@@ -470,7 +477,7 @@ class TileMarcher {
         const TileRays& rays = work_.rays;
         const Vec3d direction = rays.direction_of(ray);
         s.noisy = &frame;
-        s.place = frame.eye_tree + rays.origin_of(ray) + s.t_centre * direction;
+        s.place = frame.bundle.origin + rays.origin_of(ray) + s.t_centre * direction;
         s.place_step = s.t_step * direction;
       }
       RayState state = state_of(ray);
@@ -585,6 +592,7 @@ class TileMarcher {
     work_.rays.samples[ray] = static_cast<std::int32_t>(state.samples);
   }
 
+  const FilmView& film_;
   const WalkView& view_;
   const TreeWalk<N> walk_;
   const bool preview_;

@@ -37,7 +37,7 @@ struct TilePart {
 class PreviewPixels {
  public:
   explicit PreviewPixels(const PreviewMarch& march)
-      : march_(march), film_{march.pass.objects[0].frame.width, march.pass.objects[0].frame.height} {}
+      : march_(march), film_{march.pass.film.width, march.pass.film.height} {}
 
   /// Is it drawn, or its exact ray finished?
   bool is_drawn(std::uint32_t x, std::uint32_t y) const {

@@ -18,8 +18,8 @@ bool march_tiles(const exec::Device& cpu, const ExactMarch& march) {
   GVX_CHECK(pass.blank_tiles.size == grid.tiles());
   Turns turns(march.deadline);
   const FrameView& frame = pass.object().frame;
-  const TilesView view(pass.object(), pass.number);
-  const TileProjection projection(frame, 1);
+  const TilesView view(pass, pass.object());
+  const TileProjection projection(pass.film.camera, frame.world_to_tree, 1);
   exec::parallel_for(cpu, march.tiles.size, [&](std::size_t t) {
     if (!turns.all_taken()) return;
     const std::uint32_t tile = march.tiles[t];
@@ -95,8 +95,8 @@ bool preview_tiles(const exec::Device& cpu, const PreviewMarch& march) {
   const std::uint32_t block = march.block;
   Turns turns(march.deadline);
   const FrameView& frame = pass.object().frame;
-  const TilesView view(pass.object(), pass.number);
-  const TileProjection projection(frame, double(block));
+  const TilesView view(pass, pass.object());
+  const TileProjection projection(pass.film.camera, pass.object().frame.world_to_tree, double(block));
   const PreviewPixels pixels(march);
   exec::parallel_for(cpu, march.tiles.size, [&](std::size_t t) {
     if (!turns.all_taken()) return;

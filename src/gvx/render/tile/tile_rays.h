@@ -122,7 +122,7 @@ struct NodeBox {
 class TileProjection {
  public:
   /// Of tiles whose rays are `apart` pixels apart.
-  TileProjection(const FrameView& frame, double apart);
+  TileProjection(const scene::CameraView& camera, const Affine3& world_to_tree, double apart);
 
   /// That of the tile whose first ray is that of the pixel (x, y).
   void begin_tile(double x, double y);
@@ -157,8 +157,8 @@ class TileProjection {
 
 /// The rays through the pixels (x0 + i * apart, y0 + j * apart) for i and j below `edge`, which is the tile's
 /// or less; returns those that meet the visible volume.
-ActiveRays set_up(const FrameView& frame, double x0, double y0, double apart, std::uint32_t edge,
-                  TileRays& rays);
+ActiveRays set_up(const FrameView& frame, const scene::CameraView& camera, double x0, double y0, double apart,
+                  std::uint32_t edge, TileRays& rays);
 
 /// Has any active ray some of this node before it?
 bool any_inside(const FrameView& frame, const TileRays& rays, const ActiveRays& active, const NodeBox& node,

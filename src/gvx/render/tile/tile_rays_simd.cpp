@@ -145,9 +145,8 @@ HWY_INLINE unsigned bits_of(Mask mask) {
 }
 
 /// CameraView::pixel_ray, and where the ray is in the visible volume (intersect of core/ray.h).
-ActiveRays set_up_all(const FrameView& frame, double x0, double y0, double apart, std::uint32_t edge,
-                      TileRays& rays) {
-  const scene::CameraView& camera = frame.camera;
+ActiveRays set_up_all(const FrameView& frame, const scene::CameraView& camera, double x0, double y0,
+                      double apart, std::uint32_t edge, TileRays& rays) {
   ActiveRays meeting;
   rays.one_origin = !camera.orthographic;
   if (rays.one_origin) {
@@ -188,7 +187,7 @@ ActiveRays set_up_all(const FrameView& frame, double x0, double y0, double apart
       Double enter = hn::Zero(kDoubles), exit = all(1e300);
       Mask outside = hn::Lt(exit, enter);
       const auto along = [&](Double o, Double d, int axis) HWY_ATTR {
-        const Double low = all(frame.box.minimum[axis]), high = all(frame.box.maximum[axis]);
+        const Double low = all(frame.bundle.box.minimum[axis]), high = all(frame.bundle.box.maximum[axis]);
         const Mask still = hn::Eq(d, hn::Zero(kDoubles));
         // Finite, so that a face that the ray lies in gives 0 and not nothing.
         const Double inverse = hn::IfThenElse(still, all(1e300), hn::Div(all(1), d));
@@ -526,19 +525,18 @@ void TileRays::fill_zone(const FrameView& frame, std::uint32_t count) {
   filled_ = count;
 }
 
-TileProjection::TileProjection(const FrameView& frame, double apart)
-    : orthographic(frame.camera.orthographic),
+TileProjection::TileProjection(const scene::CameraView& camera, const Affine3& world_to_tree, double apart)
+    : orthographic(camera.orthographic),
       apart_(apart),
-      half_width_(frame.camera.half_width),
-      half_height_(frame.camera.half_height),
-      tree_to_world_(inverse(frame.world_to_tree)) {
+      half_width_(camera.half_width),
+      half_height_(camera.half_height),
+      tree_to_world_(inverse(world_to_tree)) {
   const Vec3d(&edge)[3] = tree_to_world_.column;
   for (const double y : {-1.0, 1.0}) {
     for (const double z : {-1.0, 1.0}) {
       diagonal_world_ = std::fmax(diagonal_world_, length(edge[0] + y * edge[1] + z * edge[2]));
     }
   }
-  const scene::CameraView& camera = frame.camera;
   // Of a perspective only ratios matter: whatever the world's unit, floats must hold them.
   const double unit = orthographic ? 1 : 1 / diagonal_world_;
   const double rays = unit / (camera.pixel * apart);
@@ -562,9 +560,9 @@ void TileProjection::project_children(Vec3d low, double edge, int n, Rects& rect
   HWY_DYNAMIC_DISPATCH(project_children_of)(*this, low, edge, n, rects);
 }
 
-ActiveRays set_up(const FrameView& frame, double x0, double y0, double apart, std::uint32_t edge,
-                  TileRays& rays) {
-  return HWY_DYNAMIC_DISPATCH(set_up_all)(frame, x0, y0, apart, edge, rays);
+ActiveRays set_up(const FrameView& frame, const scene::CameraView& camera, double x0, double y0, double apart,
+                  std::uint32_t edge, TileRays& rays) {
+  return HWY_DYNAMIC_DISPATCH(set_up_all)(frame, camera, x0, y0, apart, edge, rays);
 }
 
 bool any_inside(const FrameView& frame, const TileRays& rays, const ActiveRays& active, const NodeBox& node,

@@ -1,5 +1,5 @@
 /// \file
-/// The corners of a box, one by one.
+/// The corners of a box, one by one, and parts of boxes.
 #pragma once
 
 #include "gvx/core/ray.h"
@@ -11,6 +11,12 @@ namespace gvx {
 inline Vec3d box_corner(const Box3d& box, int index) {
   const auto at = [&](int axis) { return (index >> axis & 1) != 0 ? box.maximum[axis] : box.minimum[axis]; };
   return {at(0), at(1), at(2)};
+}
+
+/// The part of a box between two places that are given in fractions of it.
+inline Box3d box_part(const Box3d& box, const Box3d& fractions) {
+  const Vec3d size = box.maximum - box.minimum;
+  return {box.minimum + fractions.minimum * size, box.minimum + fractions.maximum * size};
 }
 
 }  // namespace gvx
