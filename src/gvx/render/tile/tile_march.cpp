@@ -29,20 +29,21 @@ ActiveRays march_object_of(const Pass& pass, const ObjectView& object, const Ray
                            exec::Deadline deadline) {
   const TilesView view(pass, object);
   const TileProjection projection(pass.film.camera, object.frame.world_to_tree, tile.apart);
-  TileMarcher<N> marcher(view, projection, tile.x0, tile.y0, tile.apart, tile.edge, tile.preview);
-  marcher.leave_out_all_but(rays);
+  TileMarcher<N> marcher(view, projection, tile);
+  MarchingRays<N>& marching = marcher.rays();
+  marching.leave_out_all_but(rays);
   rays.for_each([&](std::uint32_t i) {
-    if (states[i].tick > 0 || states[i].opacity > 0.0f) marcher.resume(i, states[i]);
+    if (states[i].tick > 0 || states[i].opacity > 0.0f) marching.resume(i, states[i]);
   });
   marcher.march(deadline);
   ActiveRays stubs;
   rays.for_each([&](std::uint32_t i) {
-    if (marcher.is_stub(i)) return stubs.set(i);
+    if (marching.is_stub(i)) return stubs.set(i);
     const RayState before = states[i];
-    marcher.put_state(i, states[i]);
+    marching.put_state(i, states[i]);
     states[i].segment = before.segment;
     states[i].epoch = before.epoch;
-    if (pixels != nullptr) pixels[i].add_counts(marcher.pixel(i));
+    if (pixels != nullptr) pixels[i].add_counts(marching.pixel(i));
   });
   return stubs;
 }

@@ -26,15 +26,6 @@ bool tile_march(const exec::Device& cpu, const ExactMarch& march);
 /// As march_preview of march_pass.h, there too; a tile that was begun is drawn whole.
 bool tile_preview(const exec::Device& cpu, const PreviewMarch& march);
 
-/// The rays of a tile, or of the part of one: through the pixels (x0 + i * apart, y0 + j * apart), i below
-/// `width` and j below `height`.
-struct RaysOfTile {
-  double x0 = 0, y0 = 0, apart = 1;
-  std::uint32_t width = 0, height = 0;
-  std::uint32_t edge = exec::TileGrid::kTile;  ///< of the tile
-  bool preview = false;                        ///< they make do with what is resident
-};
-
 /// Marches some rays of a tile through one object of several, from their states on, which have a place for
 /// each ray of a whole tile. A ray that is through is finished. To `pixels`, for previews, is added what they
 /// wanted. Returns the rays that it has left as they are, since they must be marched by themselves: of

@@ -53,12 +53,15 @@ bool march_tiles(const exec::Device& cpu, const ExactMarch& march) {
     if (all_finished) return;
     exec::store_relaxed(&march.unfinished[tile], 1);
     if (marching.count() == 0 || !turns.take()) return;
-    TileMarcher<N> marcher(view, projection, part.x0, part.y0, 1, grid.tile, false);
-    marcher.leave_out_all_but(marching);
-    if (is_new) marcher.will_put({&rays[index_of_ray(0)], grid.width, part.width, part.height});
-    resuming.for_each([&](std::uint32_t i) { marcher.resume(i, rays[index_of_ray(i)]); });
+    TileMarcher<N> marcher(
+        view, projection,
+        RaysOfTile{double(part.x0), double(part.y0), 1, part.width, part.height, grid.tile});
+    MarchingRays<N>& marching_rays = marcher.rays();
+    marching_rays.leave_out_all_but(marching);
+    if (is_new) marching_rays.will_put({&rays[index_of_ray(0)], grid.width, part.width, part.height});
+    resuming.for_each([&](std::uint32_t i) { marching_rays.resume(i, rays[index_of_ray(i)]); });
     marcher.march(march.deadline);
-    if (is_new && marcher.is_blank()) {
+    if (is_new && marching_rays.is_blank()) {
       pass.blank_tiles[tile] = pass.epoch;
       return exec::store_relaxed(&march.unfinished[tile], 0);
     }
@@ -68,15 +71,15 @@ bool march_tiles(const exec::Device& cpu, const ExactMarch& march) {
       finished = finished && ray.phase == RayPhase::finished;
     };
     marching.for_each([&](std::uint32_t i) {
-      if (marcher.is_stub(i)) return;
+      if (marching_rays.is_stub(i)) return;
       RayState& ray = rays[index_of_ray(i)];
-      marcher.put_state(i, ray);
+      marching_rays.put_state(i, ray);
       done(ray);
     });
     // Apart: beside a march a compiler makes the loop above a slow one.
     if (projects(frame)) {
       marching.for_each([&](std::uint32_t i) {
-        if (!marcher.is_stub(i)) return;
+        if (!marching_rays.is_stub(i)) return;
         RayState& ray = rays[index_of_ray(i)];
         if (ray.epoch != pass.epoch) ray = RayState{};
         const std::uint32_t x = part.x0 + i % TileRays::kEdge, y = part.y0 + i / TileRays::kEdge;
@@ -94,7 +97,6 @@ bool preview_tiles(const exec::Device& cpu, const PreviewMarch& march) {
   const Pass& pass = march.pass;
   const std::uint32_t block = march.block;
   Turns turns(march.deadline);
-  const FrameView& frame = pass.object().frame;
   const TilesView view(pass, pass.object());
   const TileProjection projection(pass.film.camera, pass.object().frame.world_to_tree, double(block));
   const PreviewPixels pixels(march);
@@ -106,15 +108,18 @@ bool preview_tiles(const exec::Device& cpu, const PreviewMarch& march) {
       if (!pixels.is_drawn(x, y)) missing.set(i);
     });
     if (missing.count() == 0 || !turns.take()) return;
-    TileMarcher<N> marcher(view, projection, double(part.x0) * block, double(part.y0) * block, double(block),
-                           march.grid.tile, true);
-    marcher.leave_out_all_but(missing);
+    const double apart = block;
+    TileMarcher<N> marcher(
+        view, projection,
+        RaysOfTile{part.x0 * apart, part.y0 * apart, apart, part.width, part.height, march.grid.tile, true});
+    MarchingRays<N>& rays = marcher.rays();
+    rays.leave_out_all_but(missing);
     // A preview's ray cannot stop half way.
     marcher.march(exec::no_deadline());
     missing.for_each([&](std::uint32_t i) {
       const std::uint32_t x = part.x0 + i % TileRays::kEdge, y = part.y0 + i / TileRays::kEdge;
-      const bool is_stub = marcher.is_stub(i);
-      pixels.put(x, y, is_stub ? preview_ray(pass, double(x) * block, double(y) * block) : marcher.pixel(i));
+      const bool is_stub = rays.is_stub(i);
+      pixels.put(x, y, is_stub ? preview_ray(pass, double(x) * block, double(y) * block) : rays.pixel(i));
     });
   });
   return turns.all_taken();

@@ -76,6 +76,15 @@ struct TileRect {
   bool empty() const { return x0 > x1 || y0 > y1; }
 };
 
+/// The rays of a tile, or of the part of one: through the pixels (x0 + i * apart, y0 + j * apart), i below
+/// `width` and j below `height`.
+struct RaysOfTile {
+  double x0 = 0, y0 = 0, apart = 1;
+  std::uint32_t width = 0, height = 0;
+  std::uint32_t edge = exec::TileGrid::kTile;  ///< of the tile
+  bool preview = false;                        ///< they make do with what is resident
+};
+
 /// Which rays of a tile there are to march.
 struct ActiveRays {
   std::uint64_t row[TileRays::kEdge] = {};  ///< a bit for each x
