@@ -39,10 +39,13 @@ static gvx::Status run(const char* picture) {
   view.width = view.height = 400;
   view.camera = gvx::scene::frame_box(tree.extent, tree.tree_to_world, false, 1);
   // Only values near 0 can be seen: a thin sheet, blue on one side and orange on the other.
-  gvx::scene::TransferFunction sheet;
-  sheet.colors = {{-0.3, {0.1, 0.5, 0.7}}, {0.3, {1, 0.7, 0.3}}};
-  sheet.opacities = {{-0.3, 0}, {-0.1, 0.8}, {0.1, 0.8}, {0.3, 0}};
-  view.functions = {sheet};
+  view.functions = {gvx::scene::TransferFunction()
+                        .with_color(-0.3, {0.1, 0.5, 0.7})
+                        .with_color(0.3, {1, 0.7, 0.3})
+                        .with_opacity(-0.3, 0)
+                        .with_opacity(-0.1, 0.8)
+                        .with_opacity(0.1, 0.8)
+                        .with_opacity(0.3, 0)};
   GVX_TRY(engine->look(view));
   GVX_TRY(engine->render_exact());
   std::printf("%s: %llu bricks were made\n", picture,

@@ -23,7 +23,30 @@ auto interpolate(const std::vector<Point>& points, double value, Member member) 
   return (*before).*member + weight * ((*after).*member - (*before).*member);
 }
 
+/// Behind those of the same place.
+template <typename Point>
+void insert(std::vector<Point>& points, const Point& point, double Point::*place) {
+  const auto at = std::upper_bound(points.begin(), points.end(), point.*place,
+                                   [&](double p, const Point& other) { return p < other.*place; });
+  points.insert(at, point);
+}
+
 }  // namespace
+
+TransferFunction& TransferFunction::with_color(double value, Vec3d color) {
+  insert(colors, {value, color}, &ColorPoint::value);
+  return *this;
+}
+
+TransferFunction& TransferFunction::with_opacity(double value, double opacity) {
+  insert(opacities, {value, opacity}, &OpacityPoint::value);
+  return *this;
+}
+
+TransferFunction& TransferFunction::with_gradient(double gradient, double factor) {
+  insert(gradients, {gradient, factor}, &GradientPoint::gradient);
+  return *this;
+}
 
 Vec3d TransferFunction::color(double value) const {
   return interpolate(colors, value, &ColorPoint::color);

@@ -46,6 +46,15 @@ struct TransferFunction {
   /// So boundaries can be shown alone.
   std::vector<GradientPoint> gradients = {};
 
+  // To build one up; points may come in any order, of one value those of a step as they come:
+  TransferFunction& with_color(double value, Vec3d color);
+  TransferFunction& with_opacity(double value, double opacity);
+  TransferFunction& with_gradient(double gradient, double factor);
+  TransferFunction& with_unit_distance(double distance) {
+    unit_distance = distance;
+    return *this;
+  }
+
   Vec3d color(double value) const;
   double opacity(double value) const;
   double gradient_factor(double gradient) const;

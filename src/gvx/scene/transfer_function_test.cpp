@@ -27,6 +27,23 @@ TEST(TransferFunction, is_piecewise_linear_with_steps_and_constant_beyond) {
   EXPECT_DOUBLE_EQ(f.color(50).y, 0.25);
 }
 
+TEST(TransferFunction, is_built_up_point_by_point) {
+  const TransferFunction built = TransferFunction()
+                                     .with_color(100, {1, 0.5, 0.25})
+                                     .with_color(0, {0, 0, 0})
+                                     .with_opacity(80, 0)
+                                     .with_opacity(80, 1)
+                                     .with_opacity(10, 0)
+                                     .with_opacity(-50, 0)
+                                     .with_opacity(30, 0)
+                                     .with_opacity(20, 0.5);
+  EXPECT_EQ(built, tent());
+  const TransferFunction edges = tent().with_gradient(5, 1).with_gradient(0, 0).with_unit_distance(3);
+  EXPECT_EQ(edges.unit_distance, 3);
+  EXPECT_DOUBLE_EQ(edges.gradient_factor(1), 0.2);
+  EXPECT_TRUE(check(edges).ok());
+}
+
 TEST(TransferFunction, transparent_is_about_the_whole_range) {
   const TransferFunction f = tent();
   EXPECT_TRUE(f.transparent(-100, 10));
