@@ -49,11 +49,10 @@ Result<OpenVolume> open_volume_of(const scene::SceneFile& scene, const OpenOptio
 }
 
 /// A scene of one of its objects alone.
-scene::SceneFile scene_of(const scene::SceneFile& scene, const scene::ObjectParts& object) {
-  scene::SceneFile one = scene;
-  one.objects.clear();
-  static_cast<scene::ObjectParts&>(one) = object;
-  return one;
+scene::SceneFile scene_of(scene::SceneFile scene, const scene::ObjectParts& object) {
+  scene.objects.clear();
+  static_cast<scene::ObjectParts&>(scene) = object;
+  return scene;
 }
 
 /// The scene itself, or that of its only object.
@@ -162,9 +161,12 @@ Result<OpenScene> look_at(const OpenVolume& volume, const scene::SceneFile& scen
 Result<std::vector<OpenObject>> open_objects(const scene::SceneFile& scene, const OpenOptions& options) {
   std::vector<scene::PlacedObject> objects = scene.objects;
   if (objects.empty()) objects.push_back({scene, {}});
+  // There may be thousands of them: what they have in common is copied without them.
+  scene::SceneFile common = scene;
+  common.objects.clear();
   std::vector<OpenObject> opened;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    auto object = open_object(scene_of(scene, objects[i]), std::span(objects).first(i), opened, options);
+    auto object = open_object(scene_of(common, objects[i]), std::span(objects).first(i), opened, options);
     if (!object.ok()) return Error{"objects[" + std::to_string(i) + "]: " + object.error().message};
     object.value().to_world = objects[i].transform.to_world();
     opened.push_back(std::move(object).value());
