@@ -15,10 +15,10 @@
 #include <tuple>
 #include <vector>
 
-#include "gvx/brick/sample.h"
 #include "gvx/core/vec.h"
 #include "gvx/exec/device.h"
 #include "gvx/exec/parallel.h"
+#include "gvx/render/reference/sample.h"
 #include "gvx/store/pyramid.h"
 #include "gvx/store/store_reader.h"
 #include "gvx/store/store_writer.h"
@@ -153,11 +153,11 @@ class Bricks {
 
   float value(Vec3d voxel) {
     const Vec3i node = node_of(voxel);
-    return brick::sample<M>(texels(node), in_node(voxel, node));
+    return render::one_lane::sample(texels(node), M, in_node(voxel, node));
   }
   Vec3d gradient(Vec3d voxel) { return gradient_in(node_of(voxel), voxel); }
   Vec3d gradient_in(Vec3i node, Vec3d voxel) {
-    return Vec3d(brick::gradient<M>(texels(node), in_node(voxel, node)));
+    return Vec3d(render::one_lane::gradient(texels(node), M, in_node(voxel, node)));
   }
   static Vec3i node_of(Vec3d voxel) {
     return {static_cast<std::int64_t>(voxel.x) / M, static_cast<std::int64_t>(voxel.y) / M,
@@ -166,7 +166,7 @@ class Bricks {
 
  private:
   static Vec3f in_node(Vec3d voxel, Vec3i node) { return Vec3f(voxel - double(M) * Vec3d(node)); }
-  const std::uint16_t* texels(Vec3i node) {
+  render::one_lane::PlainTexels<std::uint16_t> texels(Vec3i node) {
     auto& brick = bricks_[{node.x, node.y, node.z}];
     if (brick.empty()) {
       brick.resize(reader_->info().brick_bytes());
@@ -174,7 +174,7 @@ class Bricks {
                         static_cast<std::uint64_t>(node.y), static_cast<std::uint64_t>(node.z)};
       GVX_CHECK(reader_->read_brick(key, reader_->node(key).value(), brick).ok());
     }
-    return reinterpret_cast<const std::uint16_t*>(brick.data());
+    return {reinterpret_cast<const std::uint16_t*>(brick.data()), M};
   }
 
   std::unique_ptr<store::StoreReader> reader_;

@@ -1,6 +1,6 @@
 /// \file
 /// BrickLayout: a plane of a brick is M^3 numbers and a border on every side, x fastest. Trilinear samples
-/// take one voxel of the border, slopes of a cubic B-spline (sample.h) two; so neither ever leaves the brick.
+/// take one voxel of the border, slopes of a cubic B-spline two; so neither ever leaves the brick.
 ///
 ///     texel    -1    0    1    2   ...   M   M+1  M+2
 ///             [  border ][v 0][v 1] ... [vM-1][border  ]

@@ -27,10 +27,7 @@ GVX_HD inline bool finds_surfaces(const FrameView& frame) {
 /// Where within one step that holds a surface it is, in steps from the centre.
 template <typename Voxel, int M>
 GVX_HD float surface_in(const RayView& ray, const Stretch<Voxel, M>& one) {
-  const auto value = [&](float i) {
-    return value_at(one, 0, i, one.blend_at(ray.frame, i)) - ray.frame.visibility.isovalue;
-  };
-  return crossing(ray, one, -0.5f, value(-0.5f), 0.5f, value(0.5f));
+  return surface_in(ray, one, 0, above_isovalue(ray, one, -0.5f), above_isovalue(ray, one, 0.5f));
 }
 
 /// Gathers from a stretch, step by step, until the ray has this opacity; returns at what distance from the

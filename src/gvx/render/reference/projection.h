@@ -22,45 +22,10 @@ GVX_HD inline float& gathered(RayState& state, std::uint32_t channel) {
                         : state.opacity;
 }
 
-// So much more of the variance counts: of two voxels that share a line a ray meets only one. Measured on
-// lines of one to three voxels, from pixels of two voxels to pixels of ten.
-inline constexpr float kCoveredShare = 1.25f;
-
-/// The greatest or least value of what a sample stands for: no more than its node holds.
-GVX_HD inline float extreme_of(const FrameView& frame, std::uint32_t channel, ScalarSample sample,
-                               ValueRange range) {
-  if (!(sample.deviation > 0.0f) || std::isnan(sample.value)) return sample.value;
-  const FrameView::Extreme& extreme = frame.extreme[channel];
-  const float away = (sample.value - extreme.from) * extreme.per_span;
-  const float deviation = sample.deviation * extreme.per_span;
-  const float value =
-      extreme.from + extreme.span * std::sqrt(away * away + kCoveredShare * (deviation * deviation));
-  return std::fmax(std::fmin(value, range.maximum), range.minimum);
-}
-
 /// Of means, how many ticks of the ray were no data; where there is no room for it, of three and four
 /// channels, that counts as 0.
 GVX_HD inline float* ticks_without_data(RayState& state, std::uint32_t channel, std::uint32_t channels) {
   return channels <= 2 ? &gathered(state, channels + channel) : nullptr;
-}
-
-/// Takes in the same values `weight` times. What is no data is passed over.
-GVX_HD inline void project(const scene::Visibility& visibility, RayState& state, std::uint32_t channel,
-                           float value, float weight) {
-  const scene::Mode mode = visibility.mode;
-  float& all = gathered(state, channel);
-  if (mode == scene::Mode::mean) {
-    float* const without = ticks_without_data(state, channel, visibility.channels);
-    if (!std::isnan(value)) {
-      all += weight * value;
-    } else if (without != nullptr) {
-      *without += weight;
-    }
-  } else if (state.samples == 0) {
-    all = value;
-  } else {
-    all = mode == scene::Mode::maximum ? std::fmax(all, value) : std::fmin(all, value);
-  }
 }
 
 /// Can nothing within these ranges change what was gathered?
@@ -71,32 +36,45 @@ GVX_HD inline bool outdone(scene::Mode mode, RayState& state, std::uint32_t chan
                                         : false;
 }
 
+/// Takes steps into what a ray has gathered, each `ticks` long. value_of(channel, step) is what they have.
+template <bool kLacks, typename ValueOf>
+GVX_HD void project_steps(const scene::Visibility& visibility, std::int64_t steps, float ticks,
+                          const ValueOf& value_of, RayState& state) {
+  const bool first = state.samples == 0;
+  for (std::uint32_t c = 0; c < visibility.channels; ++c) {
+    float all = one_lane::begun<kLacks>(visibility.mode, gathered(state, c), first);
+    float* const without =
+        visibility.mode == scene::Mode::mean ? ticks_without_data(state, c, visibility.channels) : nullptr;
+    for (std::int64_t step = 0; step < steps; ++step) {
+      const float value = value_of(c, static_cast<float>(step));
+      all = one_lane::taken_in<kLacks>(visibility.mode, all, value, ticks);
+      if (kLacks && without != nullptr && one_lane::is_no_data(value)) *without += ticks;
+    }
+    gathered(state, c) = one_lane::ended<kLacks>(visibility.mode, all);
+  }
+  state.samples += static_cast<std::uint32_t>(steps);
+}
+
 template <typename Voxel, int M>
 GVX_HD void project_stretch(const RayView& ray, const Stretch<Voxel, M>& s, RayState& state) {
+  constexpr bool kLacks = one_lane::kMayLack<Voxel>;
   const FrameView& frame = ray.frame;
-  const float ticks = static_cast<float>(s.stride);
   const bool by_deviation = scene::seeks_extreme(frame.visibility.mode) && (s.fine_deviates || s.blended);
-  const auto value_of = [&](std::uint32_t c, float i, float blend) {
-    if (!by_deviation) return value_at(s, c, i, blend);
-    return extreme_of(frame, c, sample_at(s, c, i, blend), frame.visibility.widened(s.ranges.channel[c]));
-  };
-  for (std::int64_t step = 0; step < s.steps; ++step) {
-    const float i = static_cast<float>(step);
+  const auto value_of = [&](std::uint32_t c, float i) {
     const float blend = s.blend_at(frame, i);
-    for (std::uint32_t c = 0; c < frame.visibility.channels; ++c) {
-      project(frame.visibility, state, c, value_of(c, i, blend), ticks);
-    }
-    ++state.samples;
-  }
+    if (!by_deviation) return value_at(s, c, i, blend);
+    const ScalarSample sample = sample_at(s, c, i, blend);
+    const ValueRange range = frame.visibility.widened(s.ranges.channel[c]);
+    return one_lane::extreme_of<kLacks>(frame.extreme[c], range, sample.value, sample.deviation);
+  };
+  project_steps<kLacks>(frame.visibility, s.steps, static_cast<float>(s.stride), value_of, state);
 }
 
 GVX_HD inline void project_constant(const RayView& ray, const ChannelRanges& values, double stride,
                                     std::int64_t steps, RayState& state) {
   const float ticks = static_cast<float>(stride * static_cast<double>(steps));
-  for (std::uint32_t c = 0; c < ray.frame.visibility.channels; ++c) {
-    project(ray.frame.visibility, state, c, values.channel[c].minimum, ticks);
-  }
-  ++state.samples;
+  const auto value_of = [&](std::uint32_t c, float) { return values.channel[c].minimum; };
+  project_steps<true>(ray.frame.visibility, 1, ticks, value_of, state);
 }
 
 /// Did values change what a ray has gathered?

@@ -12,9 +12,9 @@
 #include <type_traits>
 
 #include "gvx/brick/brick_pool.h"
-#include "gvx/brick/sample.h"
 #include "gvx/render/frame/frame.h"
 #include "gvx/render/frame/ray_state.h"
+#include "gvx/render/reference/sample.h"
 
 namespace gvx::render {
 
@@ -33,11 +33,6 @@ struct RayView {
   }
 };
 
-/// Places that are held in a voxel stay so far from its faces, in voxels. Where voxels may be no data it
-/// counts on which side of a face a place is: that must not be a matter of rounding.
-template <typename Voxel>
-inline constexpr float kFromFaces = std::is_floating_point_v<Voxel> ? 1.0f / 1024 : 0.0f;
-
 /// Where steps are in one brick: in voxels from its low corner.
 template <typename Voxel, int M>
 struct BrickPath {
@@ -47,7 +42,10 @@ struct BrickPath {
   float voxels_across = 0;  ///< of the brick's level, in all of tree space
 
   /// The place at step i, which may be a fraction: centres are whole, ends are halves.
-  GVX_HD Vec3f at(float i) const { return first + i * per_step; }
+  GVX_HD Vec3f at(float i) const { return one_lane::along(first, per_step, i); }
+  GVX_HD one_lane::PlainTexels<Voxel> texels(std::uint32_t channel) const {
+    return {brick.plane(channel), M};
+  }
 };
 
 /// What of a stretch is the same whatever the voxels are.
@@ -101,19 +99,8 @@ struct Stretch : StretchSteps {
     const float fine_scale = frame.gradient_scale[level] * static_cast<float>(seen);
     return blended ? fine_scale + blend * (frame.gradient_scale[level - 1] - fine_scale) : fine_scale;
   }
-  /// Place i of the step with this centre, or the last on the way there that is in the centre's voxel: so it
-  /// is in the node, where the border leaves room for a gradient, and faces of nodes are like any voxel's.
   GVX_HD float held_in_voxel(float centre, float i) const {
-    const Vec3f from = fine.at(centre);
-    const Vec3f way = (i - centre) * fine.per_step;
-    float share = 1;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (way[axis] == 0) continue;
-      const float low = std::floor(from[axis]);
-      const float to_face = way[axis] > 0 ? low + 1 - from[axis] : from[axis] - low;
-      share = std::fmin(share, std::fmax(to_face - kFromFaces<Voxel>, 0.0f) / std::fabs(way[axis]));
-    }
-    return centre + share * (i - centre);
+    return one_lane::held_in_voxel<one_lane::kMayLack<Voxel>>(fine, centre, i);
   }
   GVX_HD double t_at(float i) const { return t_centre + static_cast<double>(i) * t_step; }
   GVX_HD float blend_at(const FrameView& frame, float i) const {
@@ -143,14 +130,13 @@ struct ScalarSample {
 template <typename Voxel, int M, typename Of>
 GVX_HD inline auto blended(const Stretch<Voxel, M>& s, float blend, const Of& of) {
   const auto fine = of(s.fine);
-  if (!(blend > 0.0f)) return fine;
-  return fine + blend * (of(s.coarse) - fine);
+  return blend > 0.0f ? one_lane::mix(fine, of(s.coarse), blend) : fine;
 }
 
 template <typename Voxel, int M>
 GVX_HD inline float value_at(const Stretch<Voxel, M>& s, std::uint32_t channel, float i, float blend) {
   const float value = blended(s, blend, [&](const BrickPath<Voxel, M>& path) {
-    return brick::sample<M>(path.brick.plane(channel), path.at(i));
+    return one_lane::sample(path.texels(channel), M, path.at(i));
   });
   return s.with_noise(value, i);
 }
@@ -160,7 +146,7 @@ GVX_HD inline ScalarSample sample_at(const Stretch<Voxel, M>& s, std::uint32_t c
                                      float blend) {
   const float deviation = blended(s, blend, [&](const BrickPath<Voxel, M>& path) {
     if (&path == &s.fine && !s.fine_deviates) return 0.0f;
-    return brick::deviation<M>(path.brick.deviations(channel), path.at(i));
+    return one_lane::deviation(path.brick.deviations(channel), M, path.at(i));
   });
   return {value_at(s, channel, i, blend), deviation};
 }
@@ -170,11 +156,11 @@ GVX_HD inline ScalarSample sample_at(const Stretch<Voxel, M>& s, std::uint32_t c
 template <typename Voxel, int M>
 GVX_HD inline Vec3f gradient_at(const Stretch<Voxel, M>& s, std::uint32_t channel, float i, float blend) {
   const Vec3f gradient = blended(s, blend, [&](const BrickPath<Voxel, M>& path) {
-    return brick::gradient<M>(path.brick.plane(channel), path.at(i));
+    return one_lane::gradient(path.texels(channel), M, path.at(i));
   });
   if (s.noisy == nullptr) return gradient;
   const float value = blended(s, blend, [&](const BrickPath<Voxel, M>& path) {
-    return brick::sample<M>(path.brick.plane(channel), path.at(i));
+    return one_lane::sample(path.texels(channel), M, path.at(i));
   });
   return gradient + s.noise_gradient(value, gradient, i);
 }
@@ -183,24 +169,15 @@ GVX_HD inline Vec3f gradient_at(const Stretch<Voxel, M>& s, std::uint32_t channe
 template <typename Voxel, int M>
 GVX_HD inline Vec3f gradient_or_none(const Stretch<Voxel, M>& s, std::uint32_t channel, float i,
                                      float blend) {
-  const Vec3f gradient = gradient_at(s, channel, i, blend);
-  return std::isnan(gradient.x + gradient.y + gradient.z) ? Vec3f() : gradient;
+  return one_lane::or_none<one_lane::kMayLack<Voxel>>(gradient_at(s, channel, i, blend));
 }
-
-/// A ray stops when no more than this is left to see: a quarter of a step of 8 bits.
-inline constexpr float kOpaque = 1.0f - 1.0f / 1024;
 
 /// Puts a colour of this opacity behind what was gathered.
 GVX_HD inline void add(RayState& state, Vec3f color, float opacity) {
-  const float weight = (1 - state.opacity) * opacity;
-  state.color = state.color + weight * color;
-  state.opacity += weight;
+  one_lane::put_behind(true, color, opacity, state.color, state.opacity);
   if (state.opacity >= kOpaque) state.phase = RayPhase::finished;
 }
 
-/// The opacity of so much extinction times length.
-GVX_HD inline float opacity_of(float depth) {
-  return 1 - std::exp(-depth);
-}
+using one_lane::opacity_of;
 
 }  // namespace gvx::render

@@ -7,7 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "gvx/brick/sample.h"
+#include "gvx/brick/brick_layout.h"
+#include "gvx/render/reference/sample.h"
 
 namespace gvx::render {
 namespace {
@@ -29,6 +30,7 @@ void expect_nothing_hidden(bool deviates) {
     deviations[i] = static_cast<std::uint8_t>(random() % 50 == 0 ? 100 + random() % 40 : 0);
   }
   constexpr float kBound = 140;
+  const one_lane::PlainTexels texels(plane.data(), M);
   const std::uint64_t cells = visible_cells<M>(
       plane.data(), deviates ? deviations.data() : nullptr,
       [&](ValueRange values, float deviation) { return values.maximum + 2 * deviation <= kBound; });
@@ -37,8 +39,8 @@ void expect_nothing_hidden(bool deviates) {
   for (int i = 0; i < 200000; ++i) {
     const Vec3f p(anywhere(random), anywhere(random), anywhere(random));
     const Vec3f q = p + Vec3f(beside(random), beside(random), beside(random));
-    const float deviation = deviates ? brick::deviation<M>(deviations.data(), q) : 0;
-    if (brick::sample<M>(plane.data(), q) + 2 * deviation <= kBound) continue;
+    const float deviation = deviates ? one_lane::deviation(deviations.data(), M, q) : 0;
+    if (one_lane::sample(texels, M, q) + 2 * deviation <= kBound) continue;
     ++seen;
     const auto cell = [&](float x) { return std::min(static_cast<int>(x * kCellsAcross / M), 3); };
     ASSERT_TRUE(has_cell(cells, cell(p.x), cell(p.y), cell(p.z))) << p.x << " " << p.y << " " << p.z;

@@ -52,41 +52,10 @@ HWY_INLINE Vec3v in_texels(const Vec3v& p) {
   return {hn::Add(p.x, half), hn::Add(p.y, half), hn::Add(p.z, half)};
 }
 
-HWY_INLINE Vec3v mix(const Vec3v& a, const Vec3v& b, Float weight) {
-  return {mix(a.x, b.x, weight), mix(a.y, b.y, weight), mix(a.z, b.z, weight)};
-}
-
 /// Of a coarse brick, its share at step i.
 HWY_INLINE Float share_at(const PathRows& coarse, Float i) {
   const Float asked = hn::MulAdd(i, coarse.eighth, coarse.fourth);
   return hn::Min(hn::Max(asked, hn::Zero(kFloats)), all(1));
-}
-
-template <bool kLacks>
-HWY_INLINE Float share_to_face(Float from, Float way) {
-  const Float zero = hn::Zero(kFloats), one = all(1);
-  const Float low = hn::Floor(from);
-  if constexpr (kLacks) {
-    const Float within = hn::Sub(from, low);
-    const Float to_face = hn::IfThenElse(hn::Gt(way, zero), hn::Sub(one, within), within);
-    const Float held = hn::Max(hn::Sub(to_face, all(kFromFaces<float>)), zero);
-    const Mask still = hn::Eq(way, zero);
-    return hn::IfThenElse(still, one, hn::Div(held, hn::IfThenElse(still, one, hn::Abs(way))));
-  }
-  const Float to_face = hn::Sub(hn::IfThenElse(hn::Gt(way, zero), hn::Add(low, one), low), from);
-  const Mask still = hn::Eq(way, zero);
-  return hn::IfThenElse(still, one, hn::Div(to_face, hn::IfThenElse(still, one, way)));
-}
-/// Stretch::held_in_voxel.
-template <bool kLacks>
-HWY_INLINE Float held_in_voxel(const PathRows& path, Float centre, Float i) {
-  const Vec3v from = path.at(centre);
-  const Float way = hn::Sub(i, centre);
-  Float share = all(1);
-  share = hn::Min(share, share_to_face<kLacks>(from.x, hn::Mul(way, path.per_step.x)));
-  share = hn::Min(share, share_to_face<kLacks>(from.y, hn::Mul(way, path.per_step.y)));
-  share = hn::Min(share, share_to_face<kLacks>(from.z, hn::Mul(way, path.per_step.z)));
-  return hn::MulAdd(share, way, centre);
 }
 
 /// Steps of a batch's rays that are taken in one go.

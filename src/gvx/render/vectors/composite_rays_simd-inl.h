@@ -39,115 +39,7 @@ HWY_INLINE Mask no_lanes() {
   return hn::Lt(all(1), all(0));
 }
 
-/// The entry of what is no data: no other is so far out, and its square is a number.
-constexpr float kNoEntry = -1e18f;
-
-/// ScalarSample, in entries.
-struct EntrySample {
-  Float entry;
-  Float deviation;
-};
-/// Of a value's entry, which is no number where that is no data.
-template <bool kLacks>
-HWY_INLINE Float entry_or_none(Float entry) {
-  if constexpr (!kLacks) return entry;
-  return hn::IfThenElse(is_no_data(entry), all(kNoEntry), entry);
-}
-/// Is either no data?
-HWY_INLINE Mask lack(const EntrySample& a, const EntrySample& b) {
-  return hn::Eq(hn::Min(a.entry, b.entry), all(kNoEntry));
-}
-
-/// EntryPath::mean along a ray's way through the function, between ends that are data. kPlain: nothing
-/// deviates, so that what the table reads at a path's end serves for the next one's begin. kLacks: ends may
-/// be no data.
-template <bool kPlain, bool kLacks>
-class Means {
- public:
-  HWY_INLINE explicit Means(const Function& function) : function_(&function) {}
-
-  HWY_INLINE static Float variance3(const EntrySample& a, const EntrySample& b) {
-    if constexpr (kPlain) return hn::Zero(kFloats);
-    const Float deviation = hn::Mul(all(0.5f), hn::Add(a.deviation, b.deviation));
-    return hn::Mul(all(3), hn::Mul(deviation, deviation));
-  }
-  HWY_INLINE Mask unseen(const EntrySample& a, const EntrySample& b) const {
-    Float from = a.entry, to = b.entry;
-    widen(variance3(a, b), from, to);
-    const Mask invisible = function_->invisible(from, to);
-    return kLacks ? hn::Or(invisible, lack(a, b)) : invisible;
-  }
-
-  /// Of the lanes of `mask`; the others' matter is 0. Of a plain function paths must join.
-  GVX_PIECE Matter mean(Float from, Float to, Float variance3, Mask mask) {
-    widen(variance3, from, to);
-    Matter m;
-    for (Float& part : m.part) part = hn::Zero(kFloats);
-    mask = hn::AndNot(function_->invisible(from, to), mask);
-    const Mask in_parabola = function_->is_in_parabola(from, to);
-    const Mask uneven = hn::AndNot(hn::Or(in_parabola, function_->is_even(from, to)), mask);
-    const bool some_even = !none(hn::AndNot(uneven, mask)), some_uneven = !none(uneven);
-    if (some_even) m = function_->even_mean(from, to, in_parabola);
-    if (some_uneven) {
-      if (!kPlain || !known_) function_->read(from, reading_[last_]);
-      function_->read(to, reading_[1 - last_]);
-      const Matter wide = function_->mean(reading_[last_], reading_[1 - last_]);
-      for (int i = 0; i < 4; ++i) m.part[i] = hn::IfThenElse(uneven, wide.part[i], m.part[i]);
-      last_ = 1 - last_;
-    }
-    known_ = some_uneven;
-    for (Float& part : m.part) part = hn::IfThenElseZero(mask, part);
-    return m;
-  }
-
- private:
-  HWY_INLINE static void widen(Float variance3, Float& from, Float& to) {
-    if constexpr (kPlain) return;
-    const Float centre = hn::Mul(all(0.5f), hn::Add(from, to)), width = hn::Sub(to, from);
-    const Float half = hn::Sqrt(hn::MulAdd(hn::Mul(all(0.25f), width), width, variance3));
-    from = hn::Sub(centre, half);
-    to = hn::Add(centre, half);
-  }
-
-  const Function* function_;
-  Reading reading_[2];  // to copy one takes long: a compiler does it in halves of vectors
-  int last_ = 0;        // where the last path ended
-  bool known_ = false;
-};
-
-/// Pieces.
-struct Pieces {
-  Float number;
-
-  HWY_INLINE static Pieces asked(Float wanted, float most) {
-    const Float held = hn::Min(hn::Max(wanted, all(1)), all(most)), whole = hn::Floor(held);
-    return {hn::Add(whole, hn::Min(hn::Mul(all(4), hn::Sub(held, whole)), all(1)))};
-  }
-  HWY_INLINE Float end(float index) const {
-    const Float next = all(index + 1);
-    return hn::IfThenElse(hn::Lt(next, number), hn::Div(next, number), all(1));
-  }
-  HWY_INLINE Mask has(float index) const { return hn::Lt(all(index), number); }
-  /// How many pieces the one of these lanes has that has most.
-  HWY_INLINE float most(Mask mask) const {
-    return hn::GetLane(hn::MaxOfLanes(kFloats, hn::IfThenElseZero(mask, number)));
-  }
-};
-
-HWY_INLINE Float cuts_wanted(Float adds, Float longest) {
-  return hn::Mul(hn::Mul(adds, longest), all(1 / kWidePath));
-}
-HWY_INLINE Pieces cuts_of(Float adds, Float longest) {
-  return Pieces::asked(cuts_wanted(adds, longest), kMostCuts);
-}
-HWY_INLINE Float parts_wanted(Float adds, Float longest) {
-  const Float wide =
-      hn::Min(hn::Max(hn::MulSub(longest, all(1 / kNarrowPath), all(1)), hn::Zero(kFloats)), all(1));
-  return hn::Mul(hn::Mul(wide, adds), all(1 / kThinDepth));
-}
-HWY_INLINE Pieces parts_of(Float adds, Float longest) {
-  return Pieces::asked(parts_wanted(adds, longest), kMostParts);
-}
+#include "gvx/render/formula/preintegrated.inc"
 
 /// Seen.
 struct Seen {
@@ -346,13 +238,7 @@ class Rays {
     const Shade light = shade_at(i, slope);
     // Where nothing is seen shades may be anything.
     const Mask some = hn::Gt(seen.weight, hn::Zero(kFloats));
-    const auto lit = [&](Float sum, Float color, Float body, Float glint) HWY_ATTR {
-      const Float more = hn::MulAdd(color, body, hn::Mul(seen.weight, glint));
-      return hn::Add(sum, hn::IfThenElseZero(some, more));
-    };
-    color_ = {lit(color_.x, seen.color.x, light.body.x, light.glint.x),
-              lit(color_.y, seen.color.y, light.body.y, light.glint.y),
-              lit(color_.z, seen.color.z, light.body.z, light.glint.z)};
+    HWY_NAMESPACE::add_lit(some, seen.color, seen.weight, light, color_);
   }
   HWY_INLINE void add(const Seen& seen) {
     color_ = {hn::Add(color_.x, seen.color.x), hn::Add(color_.y, seen.color.y),

@@ -1,6 +1,6 @@
 /// \file
-/// Deviations in a brick in vectors: brick/sample.h once more, the same names mean the same.
-/// Compiled once for each instruction set.
+/// How deviations in a brick are read in vectors (reference/sample.h does it for one ray). Compiled once for
+/// each instruction set.
 
 // Passed as often as there are instruction sets, so no #pragma once.
 #if defined(GVX_RENDER_DEVIATION_SIMD_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -61,17 +61,16 @@ class PlainDeviations : public Deviations {
 
   HWY_INLINE Float at(const Vec3v& texel) const {
     const TexelPlace place = at_half(texel);
-    const Vec3v& weight = place.weight;
     // The last texels' neighbours are read with those before them: a brick ends with its deviations.
-    Float along_x[4];
+    Corners at;
     for (int i = 0; i < 4; ++i) {
       const int offset = (i & 1) * row_ + (i >> 1) * row_ * row_ - 2;
       const Int four =
           hn::GatherOffset(kInts, reinterpret_cast<const std::int32_t*>(codes_ + offset), place.index);
-      along_x[i] = mix(meaning(hn::ShiftRight<16>(four)), meaning(hn::ShiftRight<24>(four)), weight.x);
+      at.corner[2 * i] = meaning(hn::ShiftRight<16>(four));
+      at.corner[2 * i + 1] = meaning(hn::ShiftRight<24>(four));
     }
-    return hn::Mul(all(unit_), mix(mix(along_x[0], along_x[1], weight.y),
-                                   mix(along_x[2], along_x[3], weight.y), weight.z));
+    return hn::Mul(all(unit_), trilinear(at, place.weight));
   }
 
  private:
@@ -93,18 +92,15 @@ class DeviationQuads : public Deviations {
 
   HWY_INLINE Float at(const Vec3v& texel) const {
     const TexelPlace place = at_half(texel);
-    const Vec3v& weight = place.weight;
     alignas(64) std::int32_t offsets[hn::MaxLanes(kInts)];
     store_offsets(hn::ShiftLeft<3>(place.index), offsets);
     Int low_high[4];  // along x: of z = 0 and 1, then the next
     load_rows(reinterpret_cast<const std::byte*>(quads_), offsets, low_high);
-    Float along_y[2];
-    for (int z = 0; z < 2; ++z) {
-      const Float first = mix(front(low_high[z]), front(low_high[z + 2]), weight.x);
-      const Float next = mix(back(low_high[z]), back(low_high[z + 2]), weight.x);
-      along_y[z] = mix(first, next, weight.y);
-    }
-    return hn::Mul(all(unit_), mix(along_y[0], along_y[1], weight.z));
+    const Int &c0 = low_high[0], &c1 = low_high[2], &d0 = low_high[1], &d1 = low_high[3];
+    return hn::Mul(
+        all(unit_),
+        trilinear({{front(c0), front(c1), back(c0), back(c1), front(d0), front(d1), back(d0), back(d1)}},
+                  place.weight));
   }
 
   /// Fills the quads as far as a path's rays come.

@@ -18,6 +18,7 @@
 #include "gvx/render/reference/stretch.h"
 #include "gvx/render/tile/stretch_batch.h"
 #include "gvx/render/vectors/batch_simd-inl.h"
+#include "gvx/render/vectors/gradient_simd-inl.h"
 #include "gvx/render/vectors/sample_simd-inl.h"
 #include "gvx/render/vectors/shade_simd-inl.h"
 #include "gvx/render/vectors/transfer_simd-inl.h"
@@ -25,6 +26,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
 namespace {
+
+#include "gvx/render/formula/each_step.inc"
 
 /// A vector of rays, and where their steps are. kWhole as of Shading.
 template <bool kWhole>
@@ -43,6 +46,9 @@ class StepRays {
   }
 
   HWY_INLINE bool lit() const { return lights_.lit(); }
+  HWY_INLINE Float blend_at(Float i) const {
+    return batch_.blended ? share_at(coarse, i) : hn::Zero(kFloats);
+  }
 
   /// RayView::shade at step i.
   HWY_INLINE Shade shade_certain(Float i, const Vec3v& gradient, Float certainty) const {
@@ -75,13 +81,6 @@ class StepRays {
   typename Lights::FarHalves halves_;
 };
 
-/// What the rays of a vector see in a step, lit; nothing but where `seen` is.
-struct Shown {
-  Mask seen;
-  Vec3v color;
-  Float opacity;
-};
-
 /// Content::show(i, rays, active, shown) says what step i shows.
 template <typename Content>
 void composite_each_step(const FrameView& frame, StretchBatch& batch) {
@@ -107,13 +106,7 @@ void composite_each_step(const FrameView& frame, StretchBatch& batch) {
       Shown shown;
       content.show(i, rays, active, shown);
       if (none(shown.seen)) continue;
-      const Float weight = hn::Mul(hn::Sub(all(1), opacity), shown.opacity);
-      const auto add = [&](Float more, Float& sum)
-                           HWY_ATTR { sum = hn::IfThenElse(shown.seen, hn::MulAdd(weight, more, sum), sum); };
-      add(shown.color.x, color.x);
-      add(shown.color.y, color.y);
-      add(shown.color.z, color.z);
-      add(all(1), opacity);
+      put_behind(shown.seen, shown.color, shown.opacity, color, opacity);
     }
     lanes.store(batch, color, opacity, samples);
   }

@@ -20,6 +20,8 @@ HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
 namespace {
 
+#include "gvx/render/formula/isosurface.inc"
+
 template <typename Voxel>
 class SurfaceFinder {
   static constexpr bool kLacks = kMayLack<Voxel>;
@@ -49,8 +51,7 @@ class SurfaceFinder {
       if (none(active)) break;
       const Float back = value_at(all(step + 0.5f));
       samples = hn::Sub(samples, hn::VecFromMask(kInts, hn::RebindMask(kInts, active)));
-      Mask crossed = hn::And(active, hn::Xor(hn::Lt(front, zero), hn::Lt(back, zero)));
-      if constexpr (kLacks) crossed = hn::AndNot(hn::Or(is_no_data(front), is_no_data(back)), crossed);
+      const Mask crossed = hn::And(active, crosses<kLacks>(front, back));
       step_found = hn::IfThenElse(crossed, all(step), step_found);
       front_found = hn::IfThenElse(crossed, front, front_found);
       back_found = hn::IfThenElse(crossed, back, back_found);
@@ -61,58 +62,24 @@ class SurfaceFinder {
     Float opacity;
     lanes_.load(batch_, color, opacity);
     if (!none(found)) {
-      const Shade light = shade_at(step_found, crossing(step_found, front_found, back_found, found));
-      const Float left = hn::Sub(all(1), opacity);
-      const auto seen = [&](Float sum, float of_iso, Float body, Float glint) HWY_ATTR {
-        return hn::IfThenElse(found, hn::MulAdd(left, hn::MulAdd(all(of_iso), body, glint), sum), sum);
-      };
-      color.x = seen(color.x, frame_.iso_color.x, light.body.x, light.glint.x);
-      color.y = seen(color.y, frame_.iso_color.y, light.body.y, light.glint.y);
-      color.z = seen(color.z, frame_.iso_color.z, light.body.z, light.glint.z);
-      opacity = hn::IfThenElse(found, all(1), opacity);
+      const Float hit = crossing<kLacks>(step_found, front_found, back_found, found,
+                                         [&](Float i) HWY_ATTR { return value_at(i); });
+      const Vec3f& iso = frame_.iso_color;
+      const Vec3v shown = lit_by(shade_at(step_found, hit), {all(iso.x), all(iso.y), all(iso.z)});
+      put_behind(found, shown, all(1), color, opacity);
     }
     lanes_.store(batch_, color, opacity, samples);
   }
 
  private:
-  HWY_INLINE Float blend_at(Float i) const {
-    return hn::Min(hn::Max(hn::MulAdd(i, coarse_.eighth, coarse_.fourth), hn::Zero(kFloats)), all(1));
-  }
   /// Above the isovalue.
   GVX_PIECE Float value_at(Float i) const {
     Float value = sample(PlainTexels<Voxel>(batch_.fine.brick, edge_), edge_, fine_.at(i));
     if (batch_.blended) {
       const Float coarse = sample(PlainTexels<Voxel>(batch_.coarse.brick, edge_), edge_, coarse_.at(i));
-      value = blended<kLacks>(value, coarse, blend_at(i));
+      value = blended<kLacks>(value, coarse, share_at(coarse_, i));
     }
     return hn::Sub(value, all(frame_.visibility.isovalue));
-  }
-
-  /// render::crossing, of the lanes of `mask`.
-  HWY_INLINE Float crossing(Float step, Float value_a, Float value_b, Mask mask) const {
-    constexpr int kRounds = 6;
-    const Float zero = hn::Zero(kFloats), half = all(0.5f);
-    Float a = hn::Sub(step, half), b = hn::Add(step, half), i = a;
-    Mask a_stayed = hn::Lt(zero, zero), b_stayed = a_stayed;
-    for (int round = 0; round < kRounds && !none(mask); ++round) {
-      const Float difference = hn::Sub(value_a, value_b);
-      const Float share = hn::Div(value_a, hn::IfThenElse(hn::Eq(difference, zero), all(1), difference));
-      i = hn::IfThenElse(mask, hn::MulAdd(hn::Sub(b, a), share, a), i);
-      const Float value = value_at(i);
-      mask = hn::And(mask, hn::Ne(value, zero));
-      if constexpr (kLacks) mask = hn::AndNot(is_no_data(value), mask);
-      const Mask like_a = hn::Xor(hn::Lt(value, zero), hn::Lt(value_b, zero));
-      const Mask to_a = hn::And(mask, like_a), to_b = hn::AndNot(like_a, mask);
-      a = hn::IfThenElse(to_a, i, a);
-      b = hn::IfThenElse(to_b, i, b);
-      const Float new_a = hn::IfThenElse(hn::And(to_b, a_stayed), hn::Mul(value_a, half), value_a);
-      const Float new_b = hn::IfThenElse(hn::And(to_a, b_stayed), hn::Mul(value_b, half), value_b);
-      value_a = hn::IfThenElse(to_a, value, new_a);
-      value_b = hn::IfThenElse(to_b, value, new_b);
-      a_stayed = to_b;
-      b_stayed = to_a;
-    }
-    return i;
   }
 
   HWY_INLINE Shade shade_at(Float centre, Float hit) const {
@@ -122,7 +89,7 @@ class SurfaceFinder {
     Vec3v g = gradient(PlainTexels<Voxel>(batch_.fine.brick, edge_), edge_, fine_.at(lit));
     if (batch_.blended) {
       const Vec3v coarse = gradient(PlainTexels<Voxel>(batch_.coarse.brick, edge_), edge_, coarse_.at(lit));
-      g = blended<kLacks>(g, coarse, blend_at(lit));
+      g = blended<kLacks>(g, coarse, share_at(coarse_, lit));
     }
     g = or_none<kLacks>(g);
     const Vec3v to_eye = lanes_.to_eye(batch_);

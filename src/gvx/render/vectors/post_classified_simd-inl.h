@@ -339,45 +339,9 @@ class Classified {
       : visibility_(frame.visibility), batch_(batch), edge_(static_cast<int>(batch.m)) {}
 
   GVX_PIECE void show(Float i, const StepRays<kWhole>& rays, Mask active, Shown& shown) const {
-    const Float zero = hn::Zero(kFloats);
-    const Float blend = batch_.blended ? share_at(rays.coarse, i) : zero;
-    Float extinction = zero;
-    Vec3v color{zero, zero, zero};
-    for (std::uint32_t c = 0; c < visibility_.channels; ++c) {
-      const Function function(visibility_.functions[c]);
-      const bool by_gradient = function.by_gradient();
-      CellSample sample = sample_of(c, i, rays, blend, rays.lit() || by_gradient);
-      sample.gradient = or_none<kLacks>(sample.gradient);
-      Float entry = function.entry_of(sample.value);
-      Mask seen = active;
-      if constexpr (kLacks) {
-        const Mask has = hn::Eq(entry, entry);
-        entry = hn::IfThenElseZero(has, entry);
-        seen = hn::And(seen, has);
-      }
-      seen = hn::AndNot(function.invisible(entry, entry), seen);
-      if (none(seen)) continue;
-      const Matter m = function.nearest_matter(entry);
-      seen = hn::And(seen, hn::Gt(m.part[3], zero));
-      if (none(seen)) continue;
-      Float factor = all(1);
-      if (by_gradient) factor = rays.factor_of(function, sample.gradient, blend);
-      const Float weight = hn::IfThenElseZero(seen, hn::Mul(factor, m.part[3]));
-      extinction = hn::Add(extinction, weight);
-      Shade shade{{all(1), all(1), all(1)}, {zero, zero, zero}};
-      if (rays.lit()) shade = rays.shade(i, c, sample.gradient, blend);
-      const auto add = [&](Float of_matter, Float body, Float glint, Float& sum) HWY_ATTR {
-        const Float more = hn::MulAdd(hn::Mul(factor, of_matter), body, hn::Mul(weight, glint));
-        sum = hn::Add(sum, hn::IfThenElseZero(seen, more));
-      };
-      add(m.part[0], shade.body.x, shade.glint.x, color.x);
-      add(m.part[1], shade.body.y, shade.glint.y, color.y);
-      add(m.part[2], shade.body.z, shade.glint.z, color.z);
-    }
-    shown.seen = hn::Gt(extinction, zero);
-    if (none(shown.seen)) return;
-    shown.color = scaled(hn::Div(all(1), hn::IfThenElse(shown.seen, extinction, all(1))), color);
-    shown.opacity = opacity_of(hn::Mul(extinction, all(batch_.units)));
+    const auto sample = [&](std::uint32_t channel, Float blend, bool with_gradient)
+                            HWY_ATTR { return sample_of(channel, i, rays, blend, with_gradient); };
+    show_scalars<kLacks>(visibility_, batch_.units, rays, i, active, sample, shown);
   }
 
  private:

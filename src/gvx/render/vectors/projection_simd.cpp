@@ -1,8 +1,6 @@
 // project_batch: projection.h once more, with a ray in each lane of a vector. Compiled once for each
 // instruction set.
 
-#include <limits>
-
 #include "gvx/render/reference/projection.h"
 #include "gvx/render/reference/stretch.h"
 #include "gvx/render/tile/stretch_batch.h"
@@ -22,6 +20,8 @@ HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
 namespace {
 
+#include "gvx/render/formula/projection.inc"
+
 /// The greatest or least values of what a channel's samples stand for.
 class Extremes {
  public:
@@ -35,18 +35,9 @@ class Extremes {
   HWY_INLINE Float fine_deviation(const Vec3v& p) const { return deviation(fine_, p); }
   HWY_INLINE Float coarse_deviation(const Vec3v& p) const { return deviation(coarse_, p); }
 
-  /// extreme_of; kLacks: of what may be no data.
   template <bool kLacks>
   HWY_INLINE Float of(Float value, Float deviation) const {
-    const Float per_span = all(extreme_.per_span);
-    const Float away = hn::Mul(hn::Sub(value, all(extreme_.from)), per_span);
-    const Float share = hn::Mul(deviation, per_span);
-    const Float squares = hn::MulAdd(away, away, hn::Mul(all(kCoveredShare), hn::Mul(share, share)));
-    const Float extreme = hn::MulAdd(all(extreme_.span), hn::Sqrt(squares), all(extreme_.from));
-    const Float held = hn::Max(hn::Min(extreme, all(range_.maximum)), all(range_.minimum));
-    Mask deviates = hn::Gt(deviation, hn::Zero(kFloats));
-    if constexpr (kLacks) deviates = hn::AndNot(is_no_data(value), deviates);
-    return hn::IfThenElse(deviates, held, value);
+    return extreme_of<kLacks>(extreme_, range_, value, deviation);
   }
 
  private:
@@ -67,14 +58,6 @@ class Extremes {
   const PlainDeviations fine_, coarse_;
 };
 
-/// Where greatest or least values are sought in what may be no data, what every value outdoes: so it begins,
-/// and stays where there is no data.
-template <scene::Mode kMode>
-HWY_INLINE Float outdone_by_all() {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  return all(kMode == scene::Mode::maximum ? -kInfinity : kInfinity);
-}
-
 /// One channel of the rays of two vectors, whose `gathered` it goes on from; `first`: nothing was gathered
 /// yet. Of means of what may be no data, `without` are the ticks that were none. kDeviates: coarse voxels
 /// stand for more than their mean.
@@ -90,12 +73,7 @@ HWY_INLINE void project_channel(const FrameView& frame, const StretchBatch& batc
   const PathRows path[2] = {lanes[0].fine(batch), lanes[1].fine(batch)};
   const Float end[2] = {lanes[0].steps(path[0]), lanes[1].steps(path[1])};
   const float last = hn::GetLane(hn::MaxOfLanes(kFloats, hn::Max(end[0], end[1])));
-  if constexpr (kLacks && !kMean) {
-    for (int k = 0; k < 2; ++k) {
-      const Mask begins = hn::Or(first[k], is_no_data(gathered[k]));
-      gathered[k] = hn::IfThenElse(begins, outdone_by_all<kMode>(), gathered[k]);
-    }
-  }
+  for (int k = 0; k < 2; ++k) gathered[k] = begun<kLacks>(kMode, gathered[k], first[k]);
   for (float step = 0; step < last; step += 1) {
     const Float i = all(step);
     for (int k = 0; k < 2; ++k) {
@@ -103,8 +81,7 @@ HWY_INLINE void project_channel(const FrameView& frame, const StretchBatch& batc
       if constexpr (kDeviates) deviation = extremes.fine_deviation(path[k].at(i));
       if (batch.blended) {
         const PathRows coarse_path = lanes[k].coarse(batch);
-        const Float share = hn::MulAdd(i, coarse_path.eighth, coarse_path.fourth);
-        const Float blend = hn::Min(hn::Max(share, hn::Zero(kFloats)), all(1));
+        const Float blend = share_at(coarse_path, i);
         value = blended<kLacks>(value, sample(coarse, edge, coarse_path.at(i)), blend);
         if constexpr (kDeviates) {
           deviation = mix(deviation, extremes.coarse_deviation(coarse_path.at(i)), blend);
@@ -112,32 +89,15 @@ HWY_INLINE void project_channel(const FrameView& frame, const StretchBatch& batc
       }
       if constexpr (kDeviates) value = extremes.template of<kLacks>(value, deviation);
       const Mask under_way = hn::Lt(i, end[k]);
-      Float taken;
+      const Float taken = taken_in<kLacks>(kMode, gathered[k], value, ticks);
       if constexpr (kLacks && kMean) {
-        const Mask lacks = is_no_data(value);
-        taken = hn::Add(gathered[k], hn::Mul(ticks, hn::IfThenZeroElse(lacks, value)));
-        without[k] = hn::Add(without[k], hn::IfThenElseZero(hn::And(under_way, lacks), ticks));
-      } else if constexpr (kLacks) {
-        // No comparison with what is no data holds.
-        const Mask more =
-            kMode == scene::Mode::maximum ? hn::Gt(value, gathered[k]) : hn::Lt(value, gathered[k]);
-        taken = hn::IfThenElse(more, value, gathered[k]);
-      } else if constexpr (kMean) {
-        taken = hn::Add(gathered[k], hn::Mul(ticks, value));
-      } else {
-        const Mask begins = step == 0 ? first[k] : hn::Lt(end[k], hn::Zero(kFloats));
-        taken = kMode == scene::Mode::maximum ? hn::Max(gathered[k], value) : hn::Min(gathered[k], value);
-        taken = hn::IfThenElse(begins, value, taken);
+        const Mask lacks = hn::And(under_way, is_no_data(value));
+        without[k] = hn::Add(without[k], hn::IfThenElseZero(lacks, ticks));
       }
       gathered[k] = hn::IfThenElse(under_way, taken, gathered[k]);
     }
   }
-  if constexpr (kLacks && !kMean) {
-    for (int k = 0; k < 2; ++k) {
-      const Mask none_yet = hn::Eq(gathered[k], outdone_by_all<kMode>());
-      gathered[k] = hn::IfThenElse(none_yet, all(std::numeric_limits<float>::quiet_NaN()), gathered[k]);
-    }
-  }
+  for (int k = 0; k < 2; ++k) gathered[k] = ended<kLacks>(kMode, gathered[k]);
 }
 
 template <scene::Mode kMode, typename Voxel>

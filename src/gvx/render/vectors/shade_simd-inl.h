@@ -24,14 +24,13 @@ HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
 namespace {
 
+#include "gvx/render/formula/colors.inc"
+
 /// scene::Shade.
 struct Shade {
   Vec3v body, glint;
 };
 
-HWY_INLINE Vec3v scaled(Float s, const Vec3v& v) {
-  return {hn::Mul(s, v.x), hn::Mul(s, v.y), hn::Mul(s, v.z)};
-}
 HWY_INLINE Vec3v unit_or_zero(const Vec3v& v) {
   const Float length2 = dot(v, v);
   const Mask some = hn::Gt(length2, hn::Zero(kFloats));

@@ -6,6 +6,13 @@
 /// HWY_COMPILE_ONLY_STATIC is defined.
 #pragma once
 
+#include "gvx/render/formula/one_lane.h"
+
+// What the formulas are compiled as here.
+#define GVX_FORMULA HWY_INLINE
+#define GVX_FORMULA_LAMBDA HWY_ATTR
+#define GVX_APART HWY_NOINLINE
+
 // What lies between these or has vectors without a fixed size gains nothing here.
 #define HWY_DISABLED_TARGETS \
   (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
