@@ -41,7 +41,10 @@ class SceneTile {
 
   void put_spans(const ActiveRays& marching);
   double x_of(std::uint32_t ray) const { return rays_.x0 + rays_.apart * double(ray % TileRays::kEdge); }
-  double y_of(std::uint32_t ray) const { return rays_.y0 + rays_.apart * double(ray / TileRays::kEdge); }
+  double y_of(std::uint32_t ray) const {
+    const std::uint32_t row = ray / TileRays::kEdge;
+    return rays_.y0 + rays_.apart * row;
+  }
   FilmRay ray_of(std::uint32_t ray) const { return pass_.film.ray(x_of(ray), y_of(ray)); }
   bool has_late_ray();
   void go_on(std::uint32_t ray);
