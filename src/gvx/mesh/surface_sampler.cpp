@@ -14,8 +14,6 @@ using surface::kCells;
 using Parts = Vec3<std::int64_t>;
 using Wide = __int128;
 
-constexpr std::int64_t kParts = SurfaceSampler::kParts;
-
 /// Twice the signed area of a triangle in the plane of x and y.
 std::int64_t area_of(Parts a, Parts b, Parts c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
@@ -32,31 +30,52 @@ struct Centres {
 
   Centres(std::int64_t low, std::int64_t high) {
     const auto cell = [](std::int64_t place) { return std::clamp<std::int64_t>(place, -1, kCells); };
-    first = static_cast<int>(cell(floor_of(low - kParts / 2 + kParts - 1, kParts)));
-    last = static_cast<int>(cell(floor_of(high - kParts / 2, kParts)));
+    first = static_cast<int>(cell(floor_of(low - kCellParts / 2 + kCellParts - 1, kCellParts)));
+    last = static_cast<int>(cell(floor_of(high - kCellParts / 2, kCellParts)));
     first = std::max(first, 0);
     last = std::min(last, kCells - 1);
+  }
+};
+
+Vec3f own_normal(const SurfaceTriangle& triangle) {
+  const Vec3d a(triangle.corner[0]), b(triangle.corner[1]), c(triangle.corner[2]);
+  return Vec3f(normalize(cross(b - a, c - a)));
+}
+
+/// A triangle's attributes where its corners have these weights, which add up to `all`.
+struct Mixed {
+  Vec3f normal, color;
+
+  Mixed(const SurfaceTriangle& triangle, const std::int64_t (&weight)[3], std::int64_t all) {
+    for (int i = 0; i < 3; ++i) {
+      const auto share = static_cast<float>(static_cast<double>(weight[i]) / static_cast<double>(all));
+      const Normal16& n = triangle.normal[i];
+      const Rgb8& c = triangle.color[i];
+      normal = normal + share / 32767 * Vec3f(float(n[0]), float(n[1]), float(n[2]));
+      color = color + share / 255 * Vec3f(float(c[0]), float(c[1]), float(c[2]));
+    }
+    // Normals of corners that point against each other say nothing.
+    constexpr float kLeast = 1e-3f;
+    const float size = length(normal);
+    normal = size > kLeast ? normal / size : own_normal(triangle);
   }
 };
 
 }  // namespace
 
 void SurfaceSampler::add(const SurfaceTriangle& triangle) {
-  Parts corner[3];
-  for (int i = 0; i < 3; ++i) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const double place = triangle.corner[i][axis];
-      GVX_CHECK(std::fabs(place) <= kFarthest);
-      corner[i][axis] = std::llround(place * static_cast<double>(kParts));
-    }
+  for (const auto& corner : triangle.corner) {
+    for (int axis = 0; axis < 3; ++axis) GVX_CHECK(std::abs(std::int64_t{corner[axis]}) <= kFarthestParts);
   }
-  for (int axis = 0; axis < 3; ++axis) add_along(axis, triangle, corner);
+  for (int axis = 0; axis < 3; ++axis) add_along(axis, triangle);
 }
 
 /// Cuts the lines along one axis.
-void SurfaceSampler::add_along(int axis, const SurfaceTriangle& triangle, const Parts (&corner)[3]) {
+void SurfaceSampler::add_along(int axis, const SurfaceTriangle& triangle) {
   const GridAxes axes(axis);
-  const Parts a = axes.to_grid(corner[0]), b = axes.to_grid(corner[1]), c = axes.to_grid(corner[2]);
+  Parts corner[3];
+  for (int i = 0; i < 3; ++i) corner[i] = axes.to_grid(Parts(triangle.corner[i]));
+  const auto& [a, b, c] = corner;
   const std::int64_t area = area_of(a, b, c);
   if (area == 0) return;  // seen from its edge: lines along another axis find it
   const std::int64_t side = area < 0 ? -1 : 1;
@@ -64,27 +83,15 @@ void SurfaceSampler::add_along(int axis, const SurfaceTriangle& triangle, const 
   const Centres rows(std::min({a.y, b.y, c.y}), std::max({a.y, b.y, c.y}));
   for (int v = rows.first; v <= rows.last; ++v) {
     for (int u = columns.first; u <= columns.last; ++u) {
-      const Parts line(u * kParts + kParts / 2, v * kParts + kParts / 2, 0);
+      const Parts line(u * kCellParts + kCellParts / 2, v * kCellParts + kCellParts / 2, 0);
       const std::int64_t weight[3] = {side * area_of(line, b, c), side * area_of(line, c, a),
                                       side * area_of(line, a, b)};
       if (weight[0] < 0 || weight[1] < 0 || weight[2] < 0) continue;
       const Wide depth = Wide(weight[0]) * a.z + Wide(weight[1]) * b.z + Wide(weight[2]) * c.z;
-      const std::int64_t w = floor_of(depth, Wide(side * area) * kParts);
+      const std::int64_t w = floor_of(depth, Wide(side * area) * kCellParts);
       if (w < 0 || w >= kCells) continue;
-      Vec3f normal, color;
-      for (int i = 0; i < 3; ++i) {
-        const auto share =
-            static_cast<float>(static_cast<double>(weight[i]) / static_cast<double>(side * area));
-        normal = normal + share * triangle.normal[i];
-        color = color + share * triangle.color[i];
-      }
-      const float size = length(normal);
-      // Normals of corners that point against each other say nothing: then it is the triangle's own.
-      constexpr float kLeast = 1e-3f;
-      const Vec3d plane =
-          cross(triangle.corner[1] - triangle.corner[0], triangle.corner[2] - triangle.corner[0]);
-      const Vec3f unit = size > kLeast ? normal / size : Vec3f(normalize(plane));
-      samples_.add(axes.from_grid(Cell(u, v, static_cast<int>(w))), unit, color);
+      const Mixed here(triangle, weight, side * area);
+      samples_.add(axes.from_grid(Cell(u, v, static_cast<int>(w))), here.normal, here.color);
     }
   }
 }

@@ -3,38 +3,43 @@
 /// Buerger, Krueger, Westermann 2009, as section 3.2 of Reichl and others 2012 takes it).
 ///
 /// Lines through the centres of all cells, along each of the three axes, are cut with the triangles. A cell
-/// is found where a cut lies in it. Corners are rounded to parts of a cell and tests are exact, edges belong
-/// to both triangles: so nothing is lost between triangles that share an edge, nor between bricks that share
-/// a face. A closed surface then separates the cells: no path from cell to adjacent cell leads through it
+/// is found where a cut lies in it. Corners are whole parts of a cell and tests are exact, edges belong to
+/// both triangles: so nothing is lost between triangles that share an edge, nor between bricks that share a
+/// face. A closed surface then separates the cells: no path from cell to adjacent cell leads through it
 /// beside those that were found.
 #pragma once
 
 #include <cstdint>
+#include <utility>
 
 #include "gvx/core/vec.h"
+#include "gvx/mesh/corner_normals.h"
+#include "gvx/mesh/mesh_spool.h"
 #include "gvx/surface/sampled_cells.h"
 
 namespace gvx::mesh {
 
-/// A triangle in cells of the brick; what is outside of 0 to kCells is cut off.
+/// Corners are rounded to this part of a cell.
+inline constexpr std::int64_t kCellParts = 512;
+/// No corner may be further from a brick than this many parts: products of two such ways are whole numbers.
+inline constexpr std::int64_t kFarthestParts = std::int64_t{1} << 29;
+
+/// A triangle as a brick sees it; what is outside of 0 to kCells is cut off.
 struct SurfaceTriangle {
-  Vec3d corner[3];
-  Vec3f normal[3];  ///< unit
-  Vec3f color[3];   ///< 0 to 1
+  Vec3<std::int32_t> corner[3];  ///< parts of a cell, from the brick's corner on
+  Normal16 normal[3];            ///< 0 where there is none: then it is the triangle's own
+  Rgb8 color[3];
 };
 
 class SurfaceSampler {
  public:
-  /// Corners are rounded to this part of a cell.
-  static constexpr int kParts = 512;
-  /// No corner may be further from the brick than this many cells.
-  static constexpr double kFarthest = 16384;
-
   void add(const SurfaceTriangle& triangle);
   const surface::SampledCells& samples() const { return samples_; }
+  /// What was found; from then on there is nothing.
+  surface::SampledCells take() { return std::exchange(samples_, surface::SampledCells()); }
 
  private:
-  void add_along(int axis, const SurfaceTriangle& triangle, const Vec3<std::int64_t> (&corner)[3]);
+  void add_along(int axis, const SurfaceTriangle& triangle);
 
   surface::SampledCells samples_;
 };

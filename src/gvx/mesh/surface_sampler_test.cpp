@@ -13,6 +13,12 @@ namespace {
 using surface::Cell;
 using surface::kCells;
 
+/// Of a place in cells.
+Vec3<std::int32_t> parts_of(Vec3d place) {
+  const auto whole = [](double v) { return static_cast<std::int32_t>(std::lround(v * double(kCellParts))); };
+  return {whole(place.x), whole(place.y), whole(place.z)};
+}
+
 /// A closed surface around a place: an octahedron, split `times` times, whose corners lie at
 /// radius(direction).
 template <typename Radius>
@@ -35,9 +41,10 @@ std::vector<SurfaceTriangle> closed_surface(Vec3d centre, int times, Radius radi
     SurfaceTriangle triangle;
     for (int i = 0; i < 3; ++i) {
       const Vec3d direction = face[static_cast<std::size_t>(i)];
-      triangle.corner[i] = centre + radius(direction) * direction;
-      triangle.normal[i] = Vec3f(direction);
-      triangle.color[i] = Vec3f(0.25f, 0.5f, 0.75f);
+      triangle.corner[i] = parts_of(centre + radius(direction) * direction);
+      for (std::size_t k = 0; k < 3; ++k)
+        triangle.normal[i][k] = static_cast<std::int16_t>(std::lround(32767 * direction[int(k)]));
+      triangle.color[i] = {64, 128, 192};
     }
     triangles.push_back(triangle);
   }
@@ -116,13 +123,12 @@ TEST(SurfaceSampler, bricks_side_by_side_lose_nothing_between_them) {
     SurfaceSampler left, right;
     const Vec3d corners[] = {{32 + off, -3, -3}, {32 + off, 40, -2}, {32, 40, 41}, {32 - off, -2, 40}};
     for (const auto& [a, b, c] : {std::array{0, 1, 2}, std::array{0, 2, 3}}) {
-      SurfaceTriangle triangle;
+      SurfaceTriangle triangle{};
       for (const auto& [i, k] : {std::pair(0, a), std::pair(1, b), std::pair(2, c)}) {
-        triangle.corner[i] = corners[k];
-        triangle.normal[i] = {1, 0, 0};
+        triangle.corner[i] = parts_of(corners[k]);
       }
       left.add(triangle);
-      for (Vec3d& corner : triangle.corner) corner.x -= kCells;
+      for (auto& corner : triangle.corner) corner.x -= kCells * int(kCellParts);
       right.add(triangle);
     }
     for (int z = 0; z < kCells; ++z) {
@@ -135,11 +141,10 @@ TEST(SurfaceSampler, bricks_side_by_side_lose_nothing_between_them) {
 
 TEST(SurfaceSampler, degenerate_triangles_are_nothing) {
   SurfaceSampler sampler;
-  SurfaceTriangle point, line;
+  SurfaceTriangle point{}, line{};
   for (int i = 0; i < 3; ++i) {
-    point.corner[i] = {4.5, 4.5, 4.5};
-    line.corner[i] = {1.5 + 9 * i, 2.5 + 3 * i, 3.5};
-    point.normal[i] = line.normal[i] = {0, 0, 1};
+    point.corner[i] = parts_of({4.5, 4.5, 4.5});
+    line.corner[i] = parts_of({1.5 + 9 * i, 2.5 + 3 * i, 3.5});
   }
   sampler.add(point);
   sampler.add(line);
