@@ -40,12 +40,12 @@ static gvx::Status run(const char* picture) {
   view.camera = gvx::scene::frame_box(tree.extent, tree.tree_to_world, false, 1);
   // Only values near 0 can be seen: a thin sheet, blue on one side and orange on the other.
   view.functions = {gvx::scene::TransferFunction()
-                        .with_color(-0.3, {0.1, 0.5, 0.7})
-                        .with_color(0.3, {1, 0.7, 0.3})
-                        .with_opacity(-0.3, 0)
-                        .with_opacity(-0.1, 0.8)
-                        .with_opacity(0.1, 0.8)
-                        .with_opacity(0.3, 0)};
+                        .add_color(-0.3, {0.1, 0.5, 0.7})
+                        .add_color(0.3, {1, 0.7, 0.3})
+                        .add_opacity(-0.3, 0)
+                        .add_opacity(-0.1, 0.8)
+                        .add_opacity(0.1, 0.8)
+                        .add_opacity(0.3, 0)};
   GVX_TRY(engine->look(view));
   GVX_TRY(engine->render_exact());
   std::printf("%s: %llu bricks were made\n", picture,

@@ -2,7 +2,6 @@
 /// Rays are cones that begin anywhere and widen as they like: those of a picture are only one kind.
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include <gtest/gtest.h>
 

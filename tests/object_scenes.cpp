@@ -174,7 +174,7 @@ render::Bundle ResidentScene::bundle_at(Vec3d origin, ConeShape cones) const {
   return first.frame.bundle_at(how_.device, first.producer.description(), Vec3dd(origin), cones);
 }
 
-render::RayState ResidentScene::march_ray(const render::Bundle& bundle, const render::FilmRay& ray) {
+render::RayState ResidentScene::march_ray(const render::Bundle& bundle, const render::BundleRay& ray) {
   render::RayState state;
   constexpr int kMostPasses = 300;
   for (int i = 0; i < kMostPasses && state.phase == render::RayPhase::under_way; ++i) {

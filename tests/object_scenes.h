@@ -82,7 +82,7 @@ class ResidentScene {
   /// likes.
   render::Bundle bundle_at(Vec3d origin, ConeShape cones) const;
   /// Where such a ray comes to.
-  render::RayState march_ray(const render::Bundle& bundle, const render::FilmRay& ray);
+  render::RayState march_ray(const render::Bundle& bundle, const render::BundleRay& ray);
   /// Makes what the rays of the last pass lacked.
   void produce_lacking();
   render::Film& film() { return film_; }

@@ -60,7 +60,7 @@ def main():
     wrong, right = [], 0
     for room, allowed in table.items():
         for path in sorted((ROOMS / room).rglob("*")):
-            if path.suffix not in {".h", ".cpp"}:
+            if path.suffix not in {".h", ".cpp", ".inc"}:
                 continue
             for number, target in includes(path):
                 if target in allowed:
@@ -69,7 +69,7 @@ def main():
                     wrong.append(f"{path.relative_to(ROOT)}:{number}: {room} may not include {target}")
     for folder, allowed in ABOVE.items():
         for path in sorted((ROOT / folder).rglob("*")):
-            if path.suffix not in {".h", ".cpp"}:
+            if path.suffix not in {".h", ".cpp", ".inc"}:
                 continue
             for number, target in includes(path):
                 if allowed is None or target in allowed | {"core", "exec"}:

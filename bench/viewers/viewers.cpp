@@ -1,6 +1,6 @@
 // What a viewer whose view changes every frame costs another, which waits for its exact picture, on one
-// cache: time until the picture is exact, alone and beside the other, by turns. By its share that is twice
-// the time. Prints JSON:
+// cache: time until the picture is exact, alone and beside the other, by turns. Fair shares would make it
+// take twice as long. Prints JSON:
 //
 //     gvx_bench_viewers STORE.gvx [ROUNDS [BUDGET_MS]]
 
@@ -89,7 +89,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: gvx_bench_viewers STORE.gvx [ROUNDS [BUDGET_MS]]\n");
     return 2;
   }
-  const int rounds = argc > 2 ? std::atoi(argv[2]) : 9;
+  const int rounds = std::max(argc > 2 ? std::atoi(argv[2]) : 9, 1);
   const std::chrono::milliseconds budget(argc > 3 ? std::atoi(argv[3]) : 33);
   std::vector<double> alone, beside;
   int frames = 0;

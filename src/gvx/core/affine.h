@@ -26,7 +26,7 @@ struct Affine3 {
   constexpr bool operator==(const Affine3&) const = default;
 };
 
-/// Where a map takes a place that has more digits than doubles.
+/// The image of a place, with all its digits.
 inline Vec3dd point(const Affine3& map, Vec3dd p) {
   return p.x * Vec3dd(map.column[0]) + p.y * Vec3dd(map.column[1]) + p.z * Vec3dd(map.column[2]) +
          Vec3dd(map.origin);

@@ -1,6 +1,7 @@
 #include "gvx/engine/memory_budget.h"
 
 #include <algorithm>
+#include <vector>
 
 namespace gvx::engine {
 namespace {
@@ -18,10 +19,12 @@ std::uint64_t brick_bytes_of(const Volume& volume) {
 
 void MemoryBudget::add(Volume* volume) {
   const bool first = shares_.empty();
-  shares_.push_back({volume, 0, 0});
-  share_out();
-  const std::uint64_t others = bytes_used() - brick_bytes_of(*volume);
-  // However little memory there is, what fits without nodes may be tried.
+  shares_.push_back({volume, volume->residency().nodes().bytes(), 0});
+  // Its bricks get what is left when all producers have their parts.
+  const std::uint64_t own_bricks = brick_bytes_of(*volume);
+  share_out(bytes_);
+  const std::uint64_t others = bytes_used() - own_bricks;
+  // The first volume gets two bricks in any case, be it beyond the bytes.
   constexpr std::uint64_t kFewest = 2;
   const brick::BrickPool& bricks = volume->residency().bricks();
   const std::uint64_t fit =
@@ -33,20 +36,27 @@ void MemoryBudget::add(Volume* volume) {
 
 void MemoryBudget::remove(const Volume* volume) {
   std::erase_if(shares_, [&](const Share& share) { return share.volume == volume; });
-  share_out();
+  share_out(bytes_left());
 }
 
-/// All volumes get as much for their nodes, and as much for what their producers keep: together a small part.
-/// Where that grows, bricks are given up when others are wanted.
-void MemoryBudget::share_out() {
-  if (shares_.empty()) return;
+/// Producers get an eighth of the bytes, those that want little first: what they leave is for the others. By
+/// no more than `most_growth` does what they have together grow.
+void MemoryBudget::share_out(std::uint64_t most_growth) {
   constexpr std::uint64_t kPart = 8;
-  const std::uint64_t most = bytes_ / kPart / shares_.size();
-  for (Share& share : shares_) {
-    const produce::Producer& producer = *share.volume->producer();
-    share.of_producer = std::min(producer.wanted_memory(), most);
-    share.of_nodes = std::min(share.volume->residency().nodes().bytes(), most);
-    producer.keep_at_most(share.of_producer);
+  std::vector<Share*> by_want;
+  for (Share& share : shares_) by_want.push_back(&share);
+  const auto wanted = [](const Share* share) { return share->volume->producer()->wanted_memory(); };
+  std::sort(by_want.begin(), by_want.end(),
+            [&](const Share* a, const Share* b) { return wanted(a) < wanted(b); });
+  std::uint64_t left = bytes_ / kPart;
+  for (std::size_t i = 0; i < by_want.size(); ++i) {
+    Share& share = *by_want[i];
+    const std::uint64_t part = std::min(wanted(&share), left / (by_want.size() - i));
+    const std::uint64_t grown = std::min(part, share.of_producer + most_growth);
+    most_growth -= grown > share.of_producer ? grown - share.of_producer : 0;
+    left -= grown;
+    share.of_producer = grown;
+    share.volume->producer()->keep_at_most(grown);
   }
 }
 

@@ -27,13 +27,13 @@ class MemoryBudget {
   void make_room(Volume& volume, std::size_t wanted, Eviction eviction);
 
  private:
-  /// A volume, and bytes that are no bricks'.
+  /// A volume, and the bytes that are counted for its nodes and its producer.
   struct Share {
     Volume* volume;
     std::uint64_t of_nodes, of_producer;
   };
 
-  void share_out();
+  void share_out(std::uint64_t most_growth);
   std::uint64_t bytes_used() const;
   std::uint64_t bytes_left() const { return bytes_ - std::min(bytes_, bytes_used()); }
   Volume* with_oldest(const Volume& but, Eviction eviction) const;

@@ -52,11 +52,12 @@ TEST(MemoryBudget, nodes_and_producers_take_a_small_part_and_bricks_the_rest) {
   const auto greedy = keeper(UINT64_MAX), modest = keeper(1000);
   const auto first = cache->open(greedy).value();
   EXPECT_EQ(greedy->kept, kMemory / 8);
-  const std::uint64_t nodes = std::min(first->residency().nodes().bytes(), kMemory / 8);
+  const std::uint64_t nodes = first->residency().nodes().bytes();
+  EXPECT_LE(nodes, kMemory / 8);
   EXPECT_LE(brick_bytes(*first) + nodes + greedy->kept, kMemory);
   EXPECT_GT(brick_bytes(*first) + nodes + greedy->kept, kMemory - first->residency().bricks().brick_bytes());
   const auto second = cache->open(modest).value();
-  EXPECT_EQ(greedy->kept, kMemory / 16) << "they share";
+  EXPECT_EQ(greedy->kept, kMemory / 8 - 1000) << "what the other leaves";
   EXPECT_EQ(modest->kept, 1000u);
 }
 
@@ -73,10 +74,8 @@ TEST(MemoryBudget, another_volume_gets_bricks_for_which_all_is_within_the_bound)
     budget.add(volumes.back().get());
   }
   const auto used = [&] {
-    std::uint64_t bytes = kMemory / 8 / 3;  // what one producer keeps
-    for (const auto& volume : volumes) {
-      bytes += brick_bytes(*volume) + std::min(volume->residency().nodes().bytes(), kMemory / 8 / 3);
-    }
+    std::uint64_t bytes = kMemory / 8;  // what one producer keeps
+    for (const auto& volume : volumes) bytes += brick_bytes(*volume) + volume->residency().nodes().bytes();
     return bytes;
   };
   for (const std::size_t wants : {1u, 2u, 0u, 1u}) {
@@ -84,6 +83,24 @@ TEST(MemoryBudget, another_volume_gets_bricks_for_which_all_is_within_the_bound)
     EXPECT_GE(volumes[wants]->residency().free_bricks(), 100u) << wants;
     EXPECT_LE(used(), kMemory) << wants;
   }
+}
+
+TEST(MemoryBudget, who_goes_leaves_its_part_to_others_as_far_as_there_is_room) {
+  constexpr std::uint64_t kMemory = 16 << 20;
+  const auto cache = Cache::create(exec::Device::cpu(1), {}).value();
+  const auto a = keeper(UINT64_MAX), b = keeper(UINT64_MAX);
+  const auto first = cache->open(a).value(), second = cache->open(b).value();
+  MemoryBudget budget(kMemory);
+  for (Volume* volume : {first.get(), second.get()}) {
+    volume->residency().restore_bricks(volume->residency().withheld_bricks());
+    budget.add(volume);
+  }
+  EXPECT_EQ(a->kept + b->kept, kMemory / 8);
+  budget.make_room(*first, 1u << 20, Eviction::any);
+  budget.remove(second.get());
+  const std::uint64_t nodes = first->residency().nodes().bytes();
+  EXPECT_LE(brick_bytes(*first) + nodes + a->kept, kMemory);
+  EXPECT_GE(a->kept, kMemory / 16);
 }
 
 }  // namespace

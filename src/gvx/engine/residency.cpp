@@ -22,8 +22,11 @@ Result<PoolSizes> PoolSizes::fitting(std::uint64_t memory_bytes, const produce::
   const std::uint64_t there_are = tree.bricks > 0 ? tree.bricks + 1 : kMostBricks;
   const std::uint64_t bricks = std::min({fit, there_are, kMostBricks});
   // Every resident brick hangs on a path of tiles; most of a path is shared, and transparent nodes take room
-  // too.
-  const std::uint64_t tiles = std::min(std::clamp(bricks, kFewestTiles, kMostTiles), there_are + 64);
+  // too. They take an eighth of the memory at most, as far as that is enough for some paths.
+  constexpr std::uint64_t kPart = 8, kSomePaths = 1024;
+  const std::uint64_t tile_bytes = tree::NodePool::tile_bytes(tree.n, tree.format.channels());
+  const std::uint64_t most = std::max(memory_bytes / kPart / tile_bytes, kSomePaths);
+  const std::uint64_t tiles = std::min({std::clamp(bricks, kFewestTiles, kMostTiles), there_are + 64, most});
   return PoolSizes{static_cast<std::uint32_t>(tiles), static_cast<std::uint32_t>(bricks)};
 }
 

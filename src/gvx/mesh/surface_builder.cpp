@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "gvx/io/external_sort.h"
@@ -225,13 +226,16 @@ SurfaceSpace surface_space(const MeshSummary& mesh, double cell) {
 Status build_surface(const MeshSpool& mesh, const SurfaceSpace& space, std::uint64_t memory_bytes,
                      const surface::SurfacePyramid::Take& take, const SurfaceProgress& progress) {
   const std::uint64_t all = mesh.summary().triangles;
+  if (all > std::numeric_limits<std::uint32_t>::max()) {
+    return Error{"surface: " + std::to_string(all) + " triangles; at most 4294967295 can be built"};
+  }
   const auto report = [&](const char* what, std::uint64_t done) {
-    if (progress && done % 1024 == 0) progress(what, done, all);
+    if (progress && (done % 1024 == 0 || done == all)) progress(what, done, all);
   };
   std::uint64_t done = 0;
   CornerNormals normals(mesh.folder(), memory_bytes / 2, all);
   GVX_TRY(for_each_triangle(mesh, [&](const SpooledTriangle& triangle) -> Status {
-    report("reading", done++);
+    report("reading", ++done);
     return normals.push(placed(triangle, space));
   }));
 
@@ -243,13 +247,17 @@ Status build_surface(const MeshSpool& mesh, const SurfaceSpace& space, std::uint
   done = 0;
   GVX_TRY(normals.for_each([&](const std::array<Normal16, 3>& of_corners) -> Status {
     GVX_ASSIGN(const SpooledTriangle* triangle, again.next());
-    report("sorting", done++);
+    report("sorting", ++done);
     return partition.push(*triangle, of_corners);
   }));
 
   surface::SurfacePyramid pyramid(space.finest_level, take);
   BrickSampling sampling(space.finest_level, pyramid);
-  GVX_TRY(sorter.for_each([&](const BrickTriangle& record) { return sampling.push(record); }));
+  done = 0;
+  GVX_TRY(sorter.for_each([&](const BrickTriangle& record) {
+    report("sampling", std::min(++done, all));
+    return sampling.push(record);
+  }));
   return sampling.finish();
 }
 

@@ -1,9 +1,11 @@
 /// \file
 /// build_surface: from a mesh of any size to surface bricks of all levels, within a bound of memory.
 ///
-///     spool: triangles   normals of corners   a record for each triangle and brick   bricks, in the tree's
-///     order in file's order -> (external sorts)  -> that it meets (external sort)       -> SurfacePyramid ->
-///     all levels
+///     spool: triangles, in the file's order
+///     -> normals of corners, by external sorts
+///     -> a record for each triangle and brick that it meets
+///     -> these in the tree's order, by an external sort
+///     -> SurfacePyramid: bricks of all levels
 #pragma once
 
 #include <cstdint>
@@ -25,11 +27,12 @@ struct SurfaceSpace {
   double brick() const { return cell * surface::kCells; }
 };
 
-/// The finest level of a tree that may be built: further corners would not be whole numbers.
+/// The finest level of a tree that may be built: its corners are no further from any brick than
+/// kFarthestParts.
 inline constexpr std::uint32_t kFinestSurface = 14;
 
 /// The edge of cells that show a mesh's finest parts: half the median edge of the smallest tenth of its
-/// triangles. (The smallest triangle of all, which is the document's, is a sliver in most scans.) Edges are
+/// triangles. (Reichl and others 2012 take the smallest of all, which is a sliver in most scans.) Edges are
 /// told apart by 3 %.
 Result<double> cell_of(const MeshSpool& mesh);
 

@@ -38,8 +38,9 @@ struct Centres {
 };
 
 Vec3f own_normal(const SurfaceTriangle& triangle) {
-  const Vec3d a(triangle.corner[0]), b(triangle.corner[1]), c(triangle.corner[2]);
-  return Vec3f(normalize(cross(b - a, c - a)));
+  // Whole numbers: of a sliver doubles might say that it has no area.
+  const Parts a(triangle.corner[0]), b(triangle.corner[1]), c(triangle.corner[2]);
+  return Vec3f(normalize(Vec3d(cross(b - a, c - a))));
 }
 
 /// A triangle's attributes where its corners have these weights, which add up to `all`.

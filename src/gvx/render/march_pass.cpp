@@ -64,7 +64,7 @@ bool march_preview(const exec::Device& device, const PreviewMarch& march) {
                          [&](auto zero) { return kernels::march_preview<decltype(zero)>(device, march); });
 }
 
-void march_ray(const Pass& pass, const ObjectView& object, const FilmRay& ray, RayState& state) {
+void march_ray(const Pass& pass, const ObjectView& object, const BundleRay& ray, RayState& state) {
   const auto march = march_of(object, pass.number);
   march->begin(ray);
   march->march_exact(state);

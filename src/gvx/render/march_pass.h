@@ -113,7 +113,7 @@ bool march_preview(const exec::Device& device, const PreviewMarch& march);
 
 /// A ray marches by itself through an object of the pass, as march.h says; on a CPU. It need not be of the
 /// film: any of the bundle that the object's frame is of.
-void march_ray(const Pass& pass, const ObjectView& object, const FilmRay& ray, RayState& state);
+void march_ray(const Pass& pass, const ObjectView& object, const BundleRay& ray, RayState& state);
 /// Ray (x, y) of the film marches so through the only object.
 void march_ray(const Pass& pass, double x, double y, RayState& state);
 /// Ray (x, y) draws its preview by itself; on a CPU.

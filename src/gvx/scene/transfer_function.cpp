@@ -33,17 +33,17 @@ void insert(std::vector<Point>& points, const Point& point, double Point::*place
 
 }  // namespace
 
-TransferFunction& TransferFunction::with_color(double value, Vec3d color) {
+TransferFunction& TransferFunction::add_color(double value, Vec3d color) {
   insert(colors, {value, color}, &ColorPoint::value);
   return *this;
 }
 
-TransferFunction& TransferFunction::with_opacity(double value, double opacity) {
+TransferFunction& TransferFunction::add_opacity(double value, double opacity) {
   insert(opacities, {value, opacity}, &OpacityPoint::value);
   return *this;
 }
 
-TransferFunction& TransferFunction::with_gradient(double gradient, double factor) {
+TransferFunction& TransferFunction::add_gradient(double gradient, double factor) {
   insert(gradients, {gradient, factor}, &GradientPoint::gradient);
   return *this;
 }

@@ -46,11 +46,12 @@ struct TransferFunction {
   /// So boundaries can be shown alone.
   std::vector<GradientPoint> gradients = {};
 
-  // To build one up; points may come in any order, of one value those of a step as they come:
-  TransferFunction& with_color(double value, Vec3d color);
-  TransferFunction& with_opacity(double value, double opacity);
-  TransferFunction& with_gradient(double gradient, double factor);
-  TransferFunction& with_unit_distance(double distance) {
+  // To build one up. Points may come in any order; two of one value are a step, in the order in which they
+  // were added.
+  TransferFunction& add_color(double value, Vec3d color);
+  TransferFunction& add_opacity(double value, double opacity);
+  TransferFunction& add_gradient(double gradient, double factor);
+  TransferFunction& set_unit_distance(double distance) {
     unit_distance = distance;
     return *this;
   }
@@ -123,7 +124,7 @@ struct TransferView {
   float first_visible = 0, last_visible = 0;  ///< up to the first, and from the last on, nothing is visible
   Even even;
   float to_entry_scale = 0, to_entry_offset = 0;
-  float length_per_entry = 1;   ///< see length()
+  float length_per_entry = 1;   ///< 4096ths of the table: how far two entries are apart
   float to_gradient_entry = 0;  ///< from a gradient in stored values per world unit
 
   static constexpr int kEntries = 4096;       ///< of most tables of scalars; for labels, one for each label
@@ -132,94 +133,13 @@ struct TransferView {
 
   GVX_HD float entry_of(float stored) const { return stored * to_entry_scale + to_entry_offset; }
 
-  /// The distance between two entries, in 4096ths of the table. So the number of cuts of a step does not
-  /// depend on the number of entries.
-  GVX_HD float length(float from, float to) const { return std::fabs(to - from) * length_per_entry; }
-
   /// Matter at an entry; between two entries linear.
   GVX_HD Matter at(float entry) const {
     const EntryPosition p = place(entry);
     return mix(matter[p.low], matter[p.low + 1], p.weight);
   }
 
-  /// The running integrals at an entry. Two of these give the mean matter between them.
-  struct Reading {
-    float entry = 0;
-    std::uint32_t sum[4] = {};
-  };
-
-  GVX_HD Reading read(float entry) const {
-    const EntryPosition p = place(entry);
-    const Integral& at = integral[p.low];
-    const float units = p.weight * integrals_per_unit;
-    Reading reading;
-    reading.entry = entry;
-    for (int i = 0; i < 4; ++i) {
-      reading.sum[i] =
-          at.sum[i] + static_cast<std::uint32_t>(static_cast<std::int32_t>(units * at.density[i]));
-    }
-    return reading;
-  }
-
-  /// The mean matter of the entries between two readings. All entries count equally. The readings must be
-  /// more than kNarrow apart.
-  GVX_HD Matter mean(const Reading& a, const Reading& b) const {
-    const float last = static_cast<float>(entries - 1);
-    const float width = b.entry - a.entry;
-    const float scale = integral_unit / width;
-    float sum[4];
-    for (int i = 0; i < 4; ++i) {
-      sum[i] = scale * static_cast<float>(static_cast<std::int32_t>(b.sum[i] - a.sum[i]));
-    }
-    Matter m{{sum[0], sum[1], sum[2]}, sum[3]};
-    const float before = std::fmin(b.entry, 0.0f) - std::fmin(a.entry, 0.0f);
-    const float behind = std::fmax(b.entry, last) - std::fmax(a.entry, last);
-    if (before != 0.0f) m = mix(m, m + matter[0], before / width);
-    if (behind != 0.0f) m = mix(m, m + matter[entries - 1], behind / width);
-    return m;
-  }
-
-  /// The mean matter of the entries between two.
-  GVX_HD Matter mean(float from, float to) const {
-    if (invisible(from, to)) return {};
-    if (!is_in_parabola(from, to)) {
-      return is_even(from, to) ? density_at(0.5f * (from + to)) : mean(read(from), read(to));
-    }
-    const Matter half_way = density_at(0.5f * (from + to));
-    const float square = (to - from) * (to - from);
-    return {half_way.color + square * even.piece.bend.color,
-            half_way.extinction + square * even.piece.bend.extinction};
-  }
-
-  /// Is the function so even between two entries that its mean is its value at the middle?
-  GVX_HD bool is_even(float from, float to) const {
-    return !(std::fabs(to - from) > even.width) || std::fmin(from, to) >= even.above;
-  }
-  GVX_HD bool is_in_parabola(float from, float to) const {
-    const Parabola& p = even.piece;
-    return std::fmin(from, to) >= p.first && std::fmax(from, to) <= p.last && std::fabs(to - from) <= p.width;
-  }
-
-  /// The mean matter from the whole entry below this one to the next. Below the first entry: that of the
-  /// first.
-  GVX_HD Matter density_at(float entry) const {
-    const float* density =
-        integral[static_cast<int>(clamped(entry, static_cast<float>(entries - 1)))].density;
-    return {{density[0], density[1], density[2]}, density[3]};
-  }
-
-  /// The nearest whole entry.
-  GVX_HD int nearest(float entry) const {
-    const float half_above = clamped(entry + 0.5f, static_cast<float>(entries - 1));
-    return static_cast<int>(half_above);
-  }
-
-  /// Are all values between two entries invisible? True is certain; false may be wrong.
-  GVX_HD bool invisible(float a, float b) const {
-    return std::fmax(a, b) <= first_visible || std::fmin(a, b) >= last_visible;
-  }
-
-  /// Is every stored value of the range below all visible values, even with this deviation (EntryPath::mean)?
+  /// Is every stored value of the range below all visible values, even with this deviation around them?
   /// If two values are, so are all values between them.
   GVX_HD bool below_visible(ValueRange stored, float deviation = 0) const {
     constexpr float kSqrt3 = 1.7320509f;
@@ -237,16 +157,6 @@ struct TransferView {
   GVX_HD Matter of_label(std::uint32_t label) const {
     return matter[label < static_cast<std::uint32_t>(entries) ? label
                                                               : static_cast<std::uint32_t>(entries - 1)];
-  }
-
-  /// The factor of the extinction for a gradient of this length, in stored values per world unit.
-  GVX_HD float factor_of_gradient(float steepness) const {
-    float entry = steepness * to_gradient_entry;
-    entry = entry < float(kGradientEntries - 1) ? entry : float(kGradientEntries - 1);
-    int low = static_cast<int>(entry);
-    low = low < kGradientEntries - 2 ? low : kGradientEntries - 2;
-    return gradient_factor[low] +
-           (entry - static_cast<float>(low)) * (gradient_factor[low + 1] - gradient_factor[low]);
   }
 
   /// Is every stored value of the range fully transparent? True is certain; false may be wrong.

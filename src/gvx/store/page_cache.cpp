@@ -1,13 +1,6 @@
 #include "gvx/store/page_cache.h"
 
 namespace gvx::store {
-namespace {
-
-/// About what the table, the list and the future take of a page.
-constexpr std::size_t kOfEach = 256;
-
-}  // namespace
-
 std::size_t PageCache::Hash::operator()(const PageKey& key) const {
   std::uint64_t h = key.ref.offset ^ std::uint64_t{key.ref.checksum} << 32 ^ key.ref.bytes;
   h = (h ^ h >> 32) * 0x9e3779b97f4a7c15ull + (key.of_records ? 1 : 0);

@@ -56,6 +56,9 @@ class PageCache {
     return page;
   }
 
+  /// What is counted of a page beside its bytes: about what this class keeps for it.
+  static constexpr std::size_t kOfEach = 256;
+
   /// Bytes that the kept pages take, with what this class stores for each.
   std::size_t bytes() const;
   /// Another bound from now on.

@@ -78,12 +78,16 @@ Status PageIndex::read_directory(const StoreHeader& header) {
 }
 
 std::size_t PageIndex::wanted_bytes() const {
-  std::uint64_t records = 0;
+  // Above a page of records stands one of references, and so on: together less than as many pages again.
+  const std::uint64_t of_page =
+      kPageNodes * std::max<std::uint64_t>(layout_.bytes(), sizeof(PageRef)) + PageCache::kOfEach;
+  std::uint64_t bytes = 0;
   for (const Level& level : levels_) {
-    records += saturating_product(saturating_volume(level.pages), kPageNodes * layout_.bytes());
-    if (records >= kCacheBytes) return kCacheBytes;
+    const std::uint64_t pages = saturating_volume(level.pages);
+    bytes += saturating_product(saturating_product(2, pages), of_page);
+    if (bytes >= kCacheBytes) return kCacheBytes;
   }
-  return static_cast<std::size_t>(records);
+  return static_cast<std::size_t>(bytes);
 }
 
 PageRef PageIndex::flat_page(std::uint32_t level, Vec3i page) const {

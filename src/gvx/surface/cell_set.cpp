@@ -1,6 +1,7 @@
 #include "gvx/surface/cell_set.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace gvx::surface {
 

@@ -57,8 +57,7 @@ std::vector<std::byte> heights_of(const Columns& columns) {
     for (int u = 0; u < kCells; ++u) {
       const std::uint32_t column = column_of(columns, u, v);
       const int count = bits_in(column);
-      const std::uint8_t single =
-          count == 0 ? View::kEmpty : static_cast<std::uint8_t>(lowest_bit(column | 1u << 31));
+      const std::uint8_t single = count == 0 ? View::kEmpty : static_cast<std::uint8_t>(lowest_bit(column));
       depths.add(count > 1 ? View::kMany : single, 1);
       if (count == 1) single_mask |= 1u << u;
       if (count <= 1) continue;

@@ -2,12 +2,17 @@
 /// PrimaryGridView: the cells of a surface brick as a grid of columns along one axis, its primary one, with
 /// the rank of each cell among the brick's samples. Its bytes are of one of two forms, whichever takes fewer:
 ///
-///     heights   1024 bytes      of each column kEmpty, kMany, or the depth of its only sample
-///               32 rows         12 bytes: masks of columns with one sample and with many; how many of each
-///               come before many            4 bytes a column with many: its first span, and how many samples
-///               come before; and one more spans           2 bytes: where one starts, and its length less one
-///     masks     1024 words      of each column, a bit for each cell
-///               32 numbers      2 bytes: samples in the rows before
+///     heights:
+///     1024 bytes   of each column kEmpty, kMany, or the depth of its only sample
+///     32 rows      masks of columns with one sample and with many, 4 bytes each;
+///                  how many of the one and of the other come before, 2 bytes each
+///     columns      of each with many: its first span, and the samples before;
+///                  2 bytes each, and so once more behind the last
+///     spans        where one starts, and its length less one: 1 byte each
+///
+///     masks:
+///     1024 words   of each column, a bit for each cell
+///     32 numbers   samples in the rows before, 2 bytes each
 ///
 /// In heights, ranks are those of single samples, row by row, and then of the others. Numbers are
 /// little-endian, as processors that gvx runs on have them.

@@ -1,5 +1,8 @@
 /// \file
 /// SampleAttributes: what is known of the surface in a cell beside its place: a normal and a colour, 6 bytes.
+///
+/// The normal's octahedral coordinates (Meyer, Suessmuth, Sussner, Stamminger 2010), -1 to 1 as 0 to 4095,
+/// are a number of 24 bits, x in the upper twelve; its bytes stand least first.
 #pragma once
 
 #include <cmath>
@@ -11,14 +14,13 @@
 namespace gvx::surface {
 
 struct SampleAttributes {
-  std::uint8_t normal[3] =
-      {};  ///< octahedral (Meyer, Suessmuth, Sussner, Stamminger 2010), 12 bits a coordinate
-  std::uint8_t color[3] = {};  ///< red, green, blue as displayed
+  std::uint8_t normal[3] = {};  ///< octahedral; see below
+  std::uint8_t color[3] = {};   ///< red, green, blue as displayed
 
   constexpr bool operator==(const SampleAttributes&) const = default;
 };
 
-/// Of a unit normal, and a colour of 0 to 1.
+/// Of a normal of unit length, and a colour of 0 to 1.
 GVX_HD inline SampleAttributes pack(Vec3f normal, Vec3f color) {
   constexpr float kMost = 4095;
   const float sum = std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z);

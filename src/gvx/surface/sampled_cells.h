@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "gvx/core/vec.h"
@@ -25,18 +24,20 @@ class SampledCells {
 
   const CellSet& cells() const { return cells_; }
   /// Of a cell that is there. A sheet that is thinner than a cell has two sides, whose normals would cancel
-  /// out: the one that was found more often is kept.
+  /// out: the one that was found more often is kept, with its colour.
   SampleAttributes attributes(Cell cell) const;
   /// The axis along which the surface's normals mostly point.
   int primary_axis() const;
 
  private:
+  struct Side {
+    Vec3f normal, color;
+    float count = 0;
+  };
   struct Sums {
     Cell cell;
-    Vec3f front, back;  // of normals, by the side of the first
-    Vec3f color;
-    float count = 0;
-    Vec3f normal() const { return dot(front, front) >= dot(back, back) ? front : back; }
+    Side front, back;  // that point as the first one that was found, and against it
+    const Side& kept() const { return front.count >= back.count ? front : back; }
   };
   static std::size_t at(Cell c) { return static_cast<std::size_t>(c.x + kCells * (c.y + kCells * c.z)); }
   Sums& sums_of(Cell cell);

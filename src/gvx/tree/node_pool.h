@@ -46,9 +46,10 @@ class NodePool {
     return {child_.view().data, content_.view().data, range_.view().data, nodes()};
   }
   std::uint32_t tiles() const { return tiles_; }
-  std::uint64_t bytes() const {
-    const std::uint64_t of_node = sizeof(ChildWord) + sizeof(ContentWord) + channels_ * sizeof(ValueRange);
-    return of_node * nodes();
+  std::uint64_t bytes() const { return std::uint64_t{tiles_} * nodes_per_tile_ * node_bytes(channels_); }
+  /// Of a tile of n^3 nodes that know the ranges of `channels`.
+  static std::uint64_t tile_bytes(std::uint32_t n, std::uint32_t channels) {
+    return std::uint64_t{n} * n * n * node_bytes(channels);
   }
   std::uint32_t nodes() const { return tiles() * nodes_per_tile_; }
   std::uint32_t nodes_per_tile() const { return nodes_per_tile_; }
@@ -78,6 +79,10 @@ class NodePool {
                       std::span<const std::uint32_t> recycled_bricks, std::uint32_t bricks);
 
  private:
+  static std::uint64_t node_bytes(std::uint32_t channels) {
+    return sizeof(ChildWord) + sizeof(ContentWord) + channels * sizeof(ValueRange);
+  }
+
   exec::Device device_;
   std::uint32_t tiles_, nodes_per_tile_, channels_;
   exec::Buffer<ChildWord> child_;

@@ -33,6 +33,7 @@ using Int = std::int32_t;
 using Mask = bool;
 using Vec3v = Vec3f;
 using Shade = scene::Shade<float>;
+constexpr bool kOneLane = true;  // and false for vectors: formulas may then branch by what a lane holds
 
 /// Highway's tags: which kind of lanes is meant.
 enum Floats { kFloats };

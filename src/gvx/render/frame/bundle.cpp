@@ -28,12 +28,12 @@ void fix_level(double width, int n, int max_level, const LevelWidths& widths, Bu
 Bundle::Bundle(const exec::Device& device, const tree::TreeDescription& tree, const Box3d& visible,
                Vec3dd origin, ConeShape cones, const LevelWidths& widths) {
   const int n = static_cast<int>(tree.n), max_level = static_cast<int>(tree.max_level);
-  const Vec3dd eye = point(inverse(tree.tree_to_world), origin);
+  const Vec3dd here = point(inverse(tree.tree_to_world), origin);
   view_.origin_world = Vec3d(origin);
-  view_.origin = Vec3d(eye);
-  view_.box = {Vec3d(Vec3dd(visible.minimum) - eye), Vec3d(Vec3dd(visible.maximum) - eye)};
-  view_.root = -Vec3d(Vec3dd(floor(eye.x), floor(eye.y), floor(eye.z)));
-  const std::vector<LevelView> levels = level_views(n, max_level, eye, visible);
+  view_.origin = Vec3d(here);
+  view_.box = {Vec3d(Vec3dd(visible.minimum) - here), Vec3d(Vec3dd(visible.maximum) - here)};
+  view_.root = -Vec3d(Vec3dd(floor(here.x), floor(here.y), floor(here.z)));
+  const std::vector<LevelView> levels = level_views(n, max_level, here, visible);
   levels_ = exec::Buffer<LevelView>(device, levels.size());
   levels_.write(0, levels);
   view_.levels = levels_.view().data;

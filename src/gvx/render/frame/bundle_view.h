@@ -16,17 +16,23 @@
 
 namespace gvx::render {
 
+/// A ray, told from its bundle's origin.
+struct BundleRay {
+  Ray ray;                            ///< its direction is a unit vector of the world
+  const RayInterval* seen = nullptr;  ///< between which distances it sees anything; null: wherever it goes
+};
+
 struct BundleView {
-  Vec3d origin_world;                    ///< rays and levels are told from there; the eye
+  Vec3d origin_world;                    ///< rays and levels are told from there: a camera's from its eye
   Vec3d origin;                          ///< in tree space
   Box3d box;                             ///< of the visible volume in tree space, from the origin
   const LevelView* levels = nullptr;     ///< of the tree, up to its finest, around the origin
   Vec3d root;                            ///< counted from the node of its size that the origin is in
   double apex = 0;                       ///< the distance, 0 or less, at which the cones are of no width
-  double lod_distance[kMaxLevels] = {};  ///< where they are as wide as level l takes
+  double lod_distance[kMaxLevels] = {};  ///< from there on level l alone is fine enough
   float fixed_blend =
       -1;               ///< share of the coarser level everywhere, if not negative: of cones that do not grow
-  int fixed_level = 0;  ///< and the level then
+  int fixed_level = 0;  ///< the level that is then sampled everywhere
 };
 
 }  // namespace gvx::render

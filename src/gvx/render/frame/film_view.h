@@ -6,15 +6,10 @@
 #include <cstdint>
 
 #include "gvx/core/ray.h"
+#include "gvx/render/frame/bundle_view.h"
 #include "gvx/scene/camera.h"
 
 namespace gvx::render {
-
-/// A ray, told from the origin of its bundle (bundle_view.h).
-struct FilmRay {
-  Ray ray;                            ///< its direction is a unit vector of the world
-  const RayInterval* seen = nullptr;  ///< between which distances it sees anything; null: wherever it goes
-};
 
 struct FilmView {
   scene::CameraView camera;
@@ -25,7 +20,7 @@ struct FilmView {
 
   GVX_HD std::size_t index(std::uint32_t x, std::uint32_t y) const { return std::size_t(y) * width + x; }
   /// Ray (x, y). They need not be whole numbers; a proxy is told the whole numbers below.
-  GVX_HD FilmRay ray(double x, double y) const {
+  GVX_HD BundleRay ray(double x, double y) const {
     const bool cut = proxy != nullptr && x < width && y < height;
     return {camera.pixel_ray_from_eye(x, y),
             cut ? proxy + index(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)) : nullptr};

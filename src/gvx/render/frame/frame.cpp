@@ -187,8 +187,8 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const tr
   const double finer = !scene::seeks_extreme(view.mode) ? 1
                        : view.subrays > 1               ? double(kMostSubrays) / view.subrays
                                                         : 2;
-  v.finest_width = finer * view.detail * max_component(spacing);
-  v.finest_alone = !view.level_of_detail;
+  frame.finest_width_ = finer * view.detail * max_component(spacing);
+  frame.finest_alone_ = !view.level_of_detail;
   double stride = 1;
   for (int level = max_level; level >= 0; --level, stride *= n) {
     v.stride[level] = stride;
@@ -248,7 +248,7 @@ Result<Frame> Frame::make(const exec::Device& device, const View& view, const tr
 
 Bundle Frame::bundle_at(const exec::Device& device, const tree::TreeDescription& tree, Vec3dd origin,
                         ConeShape cones) const {
-  return {device, tree, visible_, origin, cones, {view_.finest_width, view_.stride, view_.finest_alone}};
+  return {device, tree, visible_, origin, cones, {finest_width_, view_.stride, finest_alone_}};
 }
 
 FrameView Frame::view_from(const Bundle& bundle) const {

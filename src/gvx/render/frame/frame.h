@@ -43,8 +43,6 @@ struct FrameView {
   AddedNoise noise;  ///< where adds_noise
   bool adds_noise = false;
   double finest_voxel = 0;            ///< its width in tree space
-  double finest_width = 0;            ///< of a cone for the finest level: LevelWidths
-  bool finest_alone = false;          ///< LevelWidths
   double stride[kMaxLevels] = {};     ///< of a step of level l, in ticks
   bool blends_in_long_steps = false;  ///< those of blended levels are of the coarser one
   VoxelFormat format;
@@ -234,7 +232,9 @@ class Frame {
                                                    double most_extinction);
 
   FrameView view_;
-  Box3d visible_;  // of the tree
+  Box3d visible_;              // of the tree
+  double finest_width_ = 0;    // of a cone for the finest level
+  bool finest_alone_ = false;  // LevelWidths
   Bundle bundle_;
   std::vector<std::shared_ptr<const Tables>> tables_;
   std::shared_ptr<const StepTable> steps_;

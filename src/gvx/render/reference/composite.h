@@ -9,8 +9,6 @@
 /// function's space, so that its front hides its back.
 #pragma once
 
-#include <cmath>
-
 #include "gvx/render/reference/each_step.h"
 
 namespace gvx::render {

@@ -23,7 +23,7 @@ namespace gvx::render {
 template <typename Voxel, int N, int M>
 class RayMarcher {
  public:
-  GVX_HD RayMarcher(const PassView<Voxel, N, M>& view, const FilmRay& ray)
+  GVX_HD RayMarcher(const PassView<Voxel, N, M>& view, const BundleRay& ray)
       : view_(view), walk_(view), ray_(view.frame, ray), inside_(ray_.inside) {
     for (int axis = 0; axis < 3; ++axis) inverse_direction_[axis] = 1 / ray_.tree.direction[axis];
   }

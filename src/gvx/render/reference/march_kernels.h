@@ -104,7 +104,7 @@ class MarchOfObject final : public ObjectMarch {
  public:
   explicit MarchOfObject(const PassView<Voxel, N, M>& view) : view_(view) {}
 
-  void begin(const FilmRay& ray) override { ray_.emplace(view_, ray); }
+  void begin(const BundleRay& ray) override { ray_.emplace(view_, ray); }
   bool projects() const override { return render::projects(view_.frame); }
   void march_exact(RayState& state) const override { ray_->march_exact(state); }
   void march_projection(RayState& state, double& found, PreviewPixel* preview) const override {

@@ -27,7 +27,7 @@ class ObjectMarch {
   virtual ~ObjectMarch() = default;
 
   /// From now on it is this ray of the frame's bundle that marches.
-  virtual void begin(const FilmRay& ray) = 0;
+  virtual void begin(const BundleRay& ray) = 0;
 
   /// Does it show a greatest, least or mean value?
   virtual bool projects() const = 0;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "gvx/core/ray.h"
-#include "gvx/render/frame/film_view.h"
+#include "gvx/render/frame/bundle_view.h"
 #include "gvx/render/frame/frame.h"
 
 namespace gvx::render {
@@ -14,7 +14,7 @@ struct ObjectRay {
   RayInterval inside;  ///< the visible volume, as far as a proxy leaves it; ticks count from where it begins
   double first_tick = 0;  ///< of what a proxy leaves
 
-  GVX_HD ObjectRay(const FrameView& frame, const FilmRay& from_origin)
+  GVX_HD ObjectRay(const FrameView& frame, const BundleRay& from_origin)
       : world{frame.bundle.origin_world + from_origin.ray.origin, from_origin.ray.direction},
         tree{frame.world_to_tree.vector(from_origin.ray.origin),
              frame.world_to_tree.vector(from_origin.ray.direction)} {

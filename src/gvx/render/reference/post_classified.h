@@ -15,9 +15,9 @@ GVX_HD void composite_post(const RayView& ray, const Stretch<Voxel, M>& s, RaySt
   const StepRay<Voxel, M> steps(ray, s);
   const float units = ray.frame.units_per_tick * static_cast<float>(s.stride);
   const auto show = [&](float i, one_lane::Shown& shown) {
-    const auto sample_of = [&](std::uint32_t c, float blend, bool with_gradient) {
+    const auto sample_of = [&](std::uint32_t c, float blend, bool add_gradient) {
       one_lane::CellSample sample = blended(s, blend, [&](const BrickPath<Voxel, M>& path) {
-        return one_lane::cell_sample(path.texels(c), M, path.at(i), with_gradient);
+        return one_lane::cell_sample(path.texels(c), M, path.at(i), add_gradient);
       });
       if (s.noisy != nullptr) {
         sample.gradient = sample.gradient + s.noise_gradient(sample.value, sample.gradient, i);

@@ -2,7 +2,6 @@
 /// How the formulas read a brick for one ray: texels one by one, and deviations.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
@@ -50,12 +49,11 @@ class WindowRows<PlainTexels<Voxel>> {
 
 /// The value and the gradient in a cell of a plane.
 template <typename Voxel>
-GVX_HD inline CellSample cell_sample(const PlainTexels<Voxel>& texels, int edge, Vec3f p,
-                                     bool with_gradient) {
+GVX_HD inline CellSample cell_sample(const PlainTexels<Voxel>& texels, int edge, Vec3f p, bool add_gradient) {
   const TexelPlace place(p, edge);
   CellSample sample;
   find_cell_sample(texels.read(place.index, row_of(edge), row_of(edge) * row_of(edge)), place.weight,
-                   with_gradient, sample);
+                   add_gradient, sample);
   return sample;
 }
 

@@ -17,7 +17,7 @@ namespace gvx::render {
 
 /// A ray and the objects on its way. `spans` are sorted; objects[spans[i].object] is the march of span i.
 struct RayThroughObjects {
-  FilmRay ray;
+  BundleRay ray;
   std::span<const RaySpan> spans;
   std::span<const std::unique_ptr<ObjectMarch>> objects;
   /// Where objects project: how far they are, and as many samples as there can be in a segment.
@@ -46,7 +46,7 @@ class SceneRay {
  private:
   RayState march(PreviewPixel& pixel, RayReach* reach) const;
 
-  FilmRay ray_;
+  BundleRay ray_;
   std::vector<RaySpan> spans_;
   std::vector<std::uint32_t> objects_;  // of the pass, of each march
   std::vector<std::unique_ptr<ObjectMarch>> marches_;

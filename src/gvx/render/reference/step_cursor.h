@@ -20,7 +20,7 @@ class StepCursor : public RayMarcher<Voxel, N, M> {
   using typename March::Step;
 
  public:
-  GVX_HD StepCursor(const PassView<Voxel, N, M>& view, const FilmRay& ray) : March(view, ray) {
+  GVX_HD StepCursor(const PassView<Voxel, N, M>& view, const BundleRay& ray) : March(view, ray) {
     zone_ = view.frame.zone_at(this->inside_.enter, 0);
   }
 

@@ -7,9 +7,7 @@
 /// of a ray join without gaps whatever nodes they are in.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
-#include <type_traits>
 
 #include "gvx/brick/brick_pool.h"
 #include "gvx/render/frame/frame.h"

@@ -37,10 +37,10 @@ inline Workspace& this_threads_workspace() {
   return *workspace;
 }
 
-/// Where the states of a tile's rays are to be put: rows of `width`, from each to the next so many states.
+/// Where the states of a tile's rays are to be put.
 struct TileStates {
   const RayState* first = nullptr;
-  std::size_t row = 0;
+  std::size_t row = 0;  ///< states from the start of a row to that of the next
   std::uint32_t width = 0, height = 0;
 
   /// Has the processor fetch what is about to be written.
@@ -58,7 +58,7 @@ struct TileStates {
   }
 };
 
-/// What all tiles share in which an object is marched.
+/// What the marches of an object's tiles share. Its frame is of the film's own rays.
 struct TilesView {
   const FilmView& film;
   WalkView walk;
@@ -66,7 +66,9 @@ struct TilesView {
   brick::CellMaskView cells;
 
   TilesView(const Pass& pass, const ObjectView& object)
-      : film(pass.film), walk(walk_view_of(object, pass.number)), bricks(object), cells(object.cells) {}
+      : film(pass.film), walk(walk_view_of(object, pass.number)), bricks(object), cells(object.cells) {
+    GVX_CHECK(object.frame.bundle.origin_world == film.camera.eye);
+  }
 };
 
 /// Are there several zones (FrameView::Zone) along a ray?

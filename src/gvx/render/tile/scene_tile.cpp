@@ -56,7 +56,7 @@ void SceneTile::put_spans(const ActiveRays& marching) {
     first_[ray] = static_cast<std::uint32_t>(spans_.size());
     if (!marching.has(ray)) continue;
     const double x = x_of(ray), y = y_of(ray);
-    const FilmRay of_film = ray_of(ray);
+    const BundleRay of_film = ray_of(ray);
     for (std::uint32_t i = 0; i < objects_.size(); ++i) {
       Object& object = objects_[i];
       if (!(x >= object.rect.x0 && x <= object.rect.x1 && y >= object.rect.y0 && y <= object.rect.y1))

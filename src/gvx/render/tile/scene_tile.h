@@ -45,7 +45,7 @@ class SceneTile {
     const std::uint32_t row = ray / TileRays::kEdge;
     return rays_.y0 + rays_.apart * row;
   }
-  FilmRay ray_of(std::uint32_t ray) const { return pass_.film.ray(x_of(ray), y_of(ray)); }
+  BundleRay ray_of(std::uint32_t ray) const { return pass_.film.ray(x_of(ray), y_of(ray)); }
   bool has_late_ray();
   void go_on(std::uint32_t ray);
   void put_projection(std::uint32_t ray, RayThroughObjects& through);

@@ -31,7 +31,7 @@ struct TileRays {
   alignas(64) double inverse[3][kRoom];       ///< of the direction; finite
   alignas(64) double enter[kRoom];            ///< the visible volume
   alignas(64) double exit[kRoom];             ///< no more than `enter`: has nothing to go through
-  alignas(64) double world_origin[3][kRoom];  ///< the same
+  alignas(64) double world_origin[3][kRoom];  ///< as `origin`, in the world
   bool one_origin = false;
   alignas(64) float to_eye[kMost][4];  ///< unit, in the world; x, y, z and 0
 

@@ -1,4 +1,4 @@
-// composite_classified_batch: classified.h once more, with a ray in each lane of a vector. Compiled once for
+// composite_classified_batch: what classified.h does, with a ray in each lane of a vector. Compiled once for
 // each instruction set.
 
 #include "gvx/render/reference/classified.h"

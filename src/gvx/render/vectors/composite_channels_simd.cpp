@@ -1,5 +1,5 @@
-// composite_channels_batch: composite.h once more, of several channels, with a ray in each lane of a vector.
-// What is said there holds here; the same names mean the same. Compiled once for each instruction set.
+// composite_channels_batch: several channels, with a ray in each lane of a vector: what formula/composite.inc
+// asks of rays. Compiled once for each instruction set.
 
 #include <type_traits>
 

@@ -1,6 +1,6 @@
 /// \file
 /// A vector of rays that are composited pre-integrated: what they sample, what of it is seen, and its light.
-/// composite.h once more, the same names mean the same. Compiled once for each instruction set.
+/// Formulas are those of formula/. Compiled once for each instruction set.
 
 // Passed as often as there are instruction sets, so no #pragma once.
 #if defined(GVX_RENDER_COMPOSITE_RAYS_SIMD_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -199,7 +199,7 @@ class Rays {
     return place_of(i, texel[0], samples[0].value);
   }
 
-  /// TransferView::length.
+  /// Function::length.
   HWY_INLINE Float length(const EntrySample& from, const EntrySample& to) const {
     return bricks_.function.length(from.entry, to.entry);
   }

@@ -1,8 +1,8 @@
 /// \file
-/// composite_batch: composite.h once more, with a ray in each lane of a vector. What is said there holds
-/// here; the same names mean the same. Rays take plain steps side by side; those that come to a step that
-/// must be cut wait, are put side by side anew, and go on. Compiled once for each instruction set, a source a
-/// voxel type (composite_u8_simd.cpp and its kin).
+/// composite_batch: what composite.h does, with a ray in each lane of a vector. The loop is one of its own,
+/// beside that of formula/composite.inc; the formulas are shared. Rays take plain steps side by side; those
+/// that come to a step that must be cut wait, are put side by side anew, and go on. Compiled once for each
+/// instruction set, a source a voxel type (composite_u8_simd.cpp and its kin).
 
 // Passed as often as there are instruction sets, so no #pragma once.
 #if defined(GVX_RENDER_COMPOSITE_SIMD_INL_H) == defined(HWY_TARGET_TOGGLE)

@@ -20,6 +20,7 @@
 #include "gvx/render/tile/stretch_batch.h"
 #include "gvx/render/vectors/quads_simd-inl.h"
 #include "gvx/render/vectors/sample_simd-inl.h"
+#include "gvx/render/vectors/simd_targets.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {

@@ -21,6 +21,7 @@
 #include "gvx/render/vectors/gradient_simd-inl.h"
 #include "gvx/render/vectors/sample_simd-inl.h"
 #include "gvx/render/vectors/shade_simd-inl.h"
+#include "gvx/render/vectors/simd_targets.h"
 #include "gvx/render/vectors/transfer_simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();

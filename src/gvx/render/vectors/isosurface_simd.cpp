@@ -1,4 +1,4 @@
-// find_surface_batch: isosurface.h once more, with a ray in each lane of a vector. Compiled once for each
+// find_surface_batch: what isosurface.h does, with a ray in each lane of a vector. Compiled once for each
 // instruction set.
 
 #include "gvx/render/reference/stretch.h"

@@ -17,6 +17,8 @@
 
 #include <hwy/highway.h>
 
+#include "gvx/render/vectors/simd_targets.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
 namespace {
@@ -30,6 +32,8 @@ using Int = hn::Vec<Ints>;
 using Mask = hn::Mask<Floats>;
 constexpr Floats kFloats;
 constexpr Ints kInts;
+
+constexpr bool kOneLane = false;
 
 HWY_INLINE Float all(float value) {
   return hn::Set(kFloats, value);

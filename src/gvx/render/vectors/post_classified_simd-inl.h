@@ -1,5 +1,5 @@
 /// \file
-/// composite_post_batch: post_classified.h once more, with a ray in each lane of a vector. All lanes step
+/// composite_post_batch: what post_classified.h does, with a ray in each lane of a vector. All lanes step
 /// side by side: no address waits for what was gathered. Compiled once for each instruction set, a source a
 /// voxel type (post_classified_u8_simd.cpp and its kin).
 
@@ -339,23 +339,23 @@ class Classified {
       : visibility_(frame.visibility), batch_(batch), edge_(static_cast<int>(batch.m)) {}
 
   GVX_PIECE void show(Float i, const StepRays<kWhole>& rays, Mask active, Shown& shown) const {
-    const auto sample = [&](std::uint32_t channel, Float blend, bool with_gradient)
-                            HWY_ATTR { return sample_of(channel, i, rays, blend, with_gradient); };
+    const auto sample = [&](std::uint32_t channel, Float blend, bool add_gradient)
+                            HWY_ATTR { return sample_of(channel, i, rays, blend, add_gradient); };
     show_scalars<kLacks>(visibility_, batch_.units, rays, i, active, sample, shown);
   }
 
  private:
   GVX_PIECE CellSample sample_of(std::uint32_t channel, Float i, const StepRays<kWhole>& rays, Float blend,
-                                 bool with_gradient) const {
+                                 bool add_gradient) const {
     const std::size_t plane = channel * plane_texels(batch_.m) * sizeof(Voxel);
     const Vec3v p[1] = {rays.fine.at(i)};
     const Float zero = hn::Zero(kFloats);
     CellSample fine[1] = {{zero, {zero, zero, zero}}};
-    cell_samples(PlainTexels<Voxel>(batch_.fine.brick + plane, edge_), edge_, p, with_gradient, fine);
+    cell_samples(PlainTexels<Voxel>(batch_.fine.brick + plane, edge_), edge_, p, add_gradient, fine);
     if (!batch_.blended) return fine[0];
     const Vec3v q[1] = {rays.coarse.at(i)};
     CellSample coarse[1] = {fine[0]};
-    cell_samples(PlainTexels<Voxel>(batch_.coarse.brick + plane, edge_), edge_, q, with_gradient, coarse);
+    cell_samples(PlainTexels<Voxel>(batch_.coarse.brick + plane, edge_), edge_, q, add_gradient, coarse);
     fine[0].value = blended<kLacks>(fine[0].value, coarse[0].value, blend);
     fine[0].gradient = blended<kLacks>(fine[0].gradient, coarse[0].gradient, blend);
     return fine[0];

@@ -1,4 +1,4 @@
-// project_batch: projection.h once more, with a ray in each lane of a vector. Compiled once for each
+// project_batch: what projection.h does, with a ray in each lane of a vector. Compiled once for each
 // instruction set.
 
 #include "gvx/render/reference/projection.h"

@@ -19,6 +19,7 @@
 
 #include "gvx/core/voxel.h"
 #include "gvx/render/vectors/lanes_simd-inl.h"
+#include "gvx/render/vectors/simd_targets.h"
 #include "gvx/render/vectors/unroll.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -134,7 +135,7 @@ HWY_INLINE PairsAlongZ pairs_along_z(const BytesAround& bytes) {
 /// Of several vectors of places at once; place_of(k) is a TexelPlace. Each thing is done for all before the
 /// next: what one waits for, the others fill.
 template <typename Texels, int kVectors, typename PlaceOf>
-HWY_INLINE void cell_samples_at(const Texels& texels, int edge, const PlaceOf& place_of, bool with_gradient,
+HWY_INLINE void cell_samples_at(const Texels& texels, int edge, const PlaceOf& place_of, bool add_gradient,
                                 CellSample (&samples)[kVectors]) {
   Int index[kVectors];
   Vec3v weight[kVectors];
@@ -147,15 +148,15 @@ HWY_INLINE void cell_samples_at(const Texels& texels, int edge, const PlaceOf& p
   GVX_UNROLL for (int k = 0; k < kVectors; ++k) raw[k] =
       texels.load(index[k], row_of(edge), row_of(edge) * row_of(edge));
   GVX_UNROLL for (int k = 0; k < kVectors; ++k) {
-    find_cell_sample(Texels::corners(raw[k]), weight[k], with_gradient, samples[k]);
+    find_cell_sample(Texels::corners(raw[k]), weight[k], add_gradient, samples[k]);
   }
 }
 
 template <typename Texels, int kVectors>
-HWY_INLINE void cell_samples(const Texels& texels, int edge, const Vec3v (&p)[kVectors], bool with_gradient,
+HWY_INLINE void cell_samples(const Texels& texels, int edge, const Vec3v (&p)[kVectors], bool add_gradient,
                              CellSample (&samples)[kVectors]) {
   cell_samples_at(
-      texels, edge, [&](int k) HWY_ATTR { return TexelPlace(p[k], edge); }, with_gradient, samples);
+      texels, edge, [&](int k) HWY_ATTR { return TexelPlace(p[k], edge); }, add_gradient, samples);
 }
 
 /// What is 16 bits wide, two in a lane: the sums of their products.

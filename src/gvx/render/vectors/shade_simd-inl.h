@@ -19,6 +19,7 @@
 
 #include "gvx/render/frame/frame.h"
 #include "gvx/render/vectors/sample_simd-inl.h"
+#include "gvx/render/vectors/simd_targets.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {

@@ -1,11 +1,12 @@
 /// \file
-/// The instruction sets that vectors are compiled for. To be included before any of Highway, by sources that
-/// are compiled once for each. Private to this room.
+/// The instruction sets that vectors are compiled for, and what the formulas are compiled as there. To be
+/// included before any of Highway, by sources that are compiled once for each. Private to this room.
 ///
 /// CMake's GVX_VECTORS chooses them: the compiler's flags give the least, and where only that is wanted
 /// HWY_COMPILE_ONLY_STATIC is defined.
 #pragma once
 
+// First, since it says what formulas are compiled as for one lane, and forgets that at its end.
 #include "gvx/render/formula/one_lane.h"
 
 // What the formulas are compiled as here.

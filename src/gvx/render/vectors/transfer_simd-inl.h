@@ -16,6 +16,7 @@
 #include <hwy/highway.h>
 
 #include "gvx/render/vectors/batch_simd-inl.h"
+#include "gvx/render/vectors/simd_targets.h"
 #include "gvx/scene/transfer_function.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -22,6 +22,7 @@
 #include "gvx/render/tile/visible_cells.h"
 #include "gvx/render/vectors/batch_simd-inl.h"
 #include "gvx/render/vectors/sample_simd-inl.h"
+#include "gvx/render/vectors/simd_targets.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gvx::render::HWY_NAMESPACE {
