@@ -30,13 +30,15 @@ GVX_HD inline SampleAttributes pack(Vec3f normal, Vec3f color) {
     y = (1 - std::fabs(x)) * (y < 0 ? -1.0f : 1.0f);
     x = folded;
   }
-  const auto twelve = [&](float v) { return static_cast<std::uint32_t>((0.5f * v + 0.5f) * kMost + 0.5f); };
+  const auto twelve = [&](float v) {
+    return static_cast<std::uint32_t>(std::lround((0.5f * v + 0.5f) * kMost));
+  };
   const std::uint32_t bits = twelve(x) << 12 | twelve(y);
   SampleAttributes packed;
   for (int i = 0; i < 3; ++i) {
     packed.normal[i] = static_cast<std::uint8_t>(bits >> 8 * i);
     const float c = color[i] > 0 ? (color[i] < 1 ? color[i] : 1.0f) : 0.0f;
-    packed.color[i] = static_cast<std::uint8_t>(255 * c + 0.5f);
+    packed.color[i] = static_cast<std::uint8_t>(std::lround(255 * c));
   }
   return packed;
 }

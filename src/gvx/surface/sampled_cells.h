@@ -39,7 +39,10 @@ class SampledCells {
     Side front, back;  // that point as the first one that was found, and against it
     const Side& kept() const { return front.count >= back.count ? front : back; }
   };
-  static std::size_t at(Cell c) { return static_cast<std::size_t>(c.x + kCells * (c.y + kCells * c.z)); }
+  static std::size_t at(Cell c) {
+    const int cell = c.x + kCells * (c.y + kCells * c.z);
+    return static_cast<std::size_t>(cell);
+  }
   Sums& sums_of(Cell cell);
 
   CellSet cells_;

@@ -17,7 +17,8 @@ SurfaceBrick make_brick(const SampledCells& samples) {
     for (int u = 0; u < kCells; ++u) {
       const std::uint32_t column = columns[static_cast<std::size_t>(column_at(u, v))];
       if (column == 0) continue;
-      DepthRange& block = brick.blocks[static_cast<std::size_t>(u / kBlock + kBlocks * (v / kBlock))];
+      const int at = u / kBlock + kBlocks * (v / kBlock);
+      DepthRange& block = brick.blocks[static_cast<std::size_t>(at)];
       block.least = std::min(block.least, static_cast<std::uint8_t>(lowest_bit(column)));
       block.most = std::max(block.most, static_cast<std::uint8_t>(highest_bit(column)));
       for (std::uint32_t bits = column; bits != 0; bits &= bits - 1) {
