@@ -19,7 +19,7 @@ std::uint64_t brick_bytes_of(const Volume& volume) {
 
 void MemoryBudget::add(Volume* volume) {
   const bool first = shares_.empty();
-  shares_.push_back({volume, volume->residency().nodes().bytes(), 0});
+  shares_.push_back({volume, volume->residency().nodes().bytes(), volume->producer()->wanted_memory()});
   // Its bricks get what is left when all producers have their parts.
   const std::uint64_t own_bricks = brick_bytes_of(*volume);
   share_out(bytes_);
@@ -45,18 +45,17 @@ void MemoryBudget::share_out(std::uint64_t most_growth) {
   constexpr std::uint64_t kPart = 8;
   std::vector<Share*> by_want;
   for (Share& share : shares_) by_want.push_back(&share);
-  const auto wanted = [](const Share* share) { return share->volume->producer()->wanted_memory(); };
   std::sort(by_want.begin(), by_want.end(),
-            [&](const Share* a, const Share* b) { return wanted(a) < wanted(b); });
+            [](const Share* a, const Share* b) { return a->producer_wants < b->producer_wants; });
   std::uint64_t left = bytes_ / kPart;
   for (std::size_t i = 0; i < by_want.size(); ++i) {
     Share& share = *by_want[i];
-    const std::uint64_t part = std::min(wanted(&share), left / (by_want.size() - i));
-    const std::uint64_t grown = std::min(part, share.of_producer + most_growth);
-    most_growth -= grown > share.of_producer ? grown - share.of_producer : 0;
-    left -= grown;
-    share.of_producer = grown;
-    share.volume->producer()->keep_at_most(grown);
+    const std::uint64_t part = std::min(share.producer_wants, left / (by_want.size() - i));
+    const std::uint64_t growth = std::min(part - std::min(part, share.of_producer), most_growth);
+    share.of_producer = std::min(part, share.of_producer + growth);
+    most_growth -= growth;
+    left -= share.of_producer;
+    share.volume->producer()->keep_at_most(share.of_producer);
   }
 }
 

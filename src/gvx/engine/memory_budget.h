@@ -30,7 +30,9 @@ class MemoryBudget {
   /// A volume, and the bytes that are counted for its nodes and its producer.
   struct Share {
     Volume* volume;
-    std::uint64_t of_nodes, of_producer;
+    std::uint64_t of_nodes;
+    std::uint64_t producer_wants;
+    std::uint64_t of_producer = 0;
   };
 
   void share_out(std::uint64_t most_growth);

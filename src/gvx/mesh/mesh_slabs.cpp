@@ -204,11 +204,7 @@ Result<std::optional<MeshSlabs>> MeshSlabs::sort(const MeshSpool& mesh, const Sp
   constexpr std::size_t kBuffer = 4096;
   const std::uint64_t all = mesh.summary().triangles;
   const auto placed = [&](const SpooledTriangle& triangle) {
-    std::array<Vec3f, 3> corners;
-    for (std::size_t k = 0; k < 3; ++k) {
-      corners[k] = Vec3f((triangle.corners[k] - space.origin) / space.voxel);
-    }
-    return corners;
+    return corners_in(triangle, space.origin, space.voxel);
   };
   const auto report = [&](std::uint64_t done) {
     if (progress && done % 1024 == 0) progress("sorting", done, 2 * all);

@@ -32,6 +32,13 @@ struct SpooledTriangle {
   std::array<Rgb8, 3> colors;
 };
 
+/// Its corners, counted from `origin` in units of this length, with as many digits as floats have.
+inline std::array<Vec3f, 3> corners_in(const SpooledTriangle& triangle, Vec3d origin, double unit) {
+  std::array<Vec3f, 3> corners;
+  for (std::size_t i = 0; i < 3; ++i) corners[i] = Vec3f((triangle.corners[i] - origin) / unit);
+  return corners;
+}
+
 struct MeshSummary {
   std::uint64_t vertices = 0;                       ///< whether a triangle has them or not
   std::uint64_t triangles = 0;                      ///< that cover anything

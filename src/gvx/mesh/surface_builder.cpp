@@ -70,8 +70,8 @@ struct BrickPlace {
 /// A triangle in one of the bricks that it meets.
 struct BrickTriangle {
   BrickPlace brick;
-  std::uint32_t order =
-      0;  // among all triangles, so that sums of attributes are the same however it is sorted
+  // Among all triangles, so that sums of attributes are the same however it is sorted.
+  std::uint32_t order = 0;
   SurfaceTriangle triangle;
 };
 struct ByBrick {
@@ -187,13 +187,6 @@ class BrickSampling {
   SurfaceSampler sampler_;
 };
 
-/// Corners as normals are found for: as many digits as floats have, from the space's corner on.
-std::array<Vec3f, 3> placed(const SpooledTriangle& triangle, const SurfaceSpace& space) {
-  std::array<Vec3f, 3> corners;
-  for (std::size_t i = 0; i < 3; ++i) corners[i] = Vec3f((triangle.corners[i] - space.origin) / space.cell);
-  return corners;
-}
-
 }  // namespace
 
 Result<double> cell_of(const MeshSpool& mesh) {
@@ -236,7 +229,7 @@ Status build_surface(const MeshSpool& mesh, const SurfaceSpace& space, std::uint
   CornerNormals normals(mesh.folder(), memory_bytes / 2, all);
   GVX_TRY(for_each_triangle(mesh, [&](const SpooledTriangle& triangle) -> Status {
     report("reading", ++done);
-    return normals.push(placed(triangle, space));
+    return normals.push(corners_in(triangle, space.origin, space.cell));
   }));
 
   // A triangle may be in any number of bricks.

@@ -18,15 +18,18 @@ Page page_of(std::size_t bytes) {
   return std::make_shared<const std::vector<std::byte>>(bytes);
 }
 
+/// A page of 2000 bytes; counts those that were not in the cache.
+Result<Page> get_page(PageCache& cache, std::uint64_t offset, int& loads) {
+  return cache.get(key_of(offset), [&]() -> Result<Page> {
+    ++loads;
+    return page_of(2000);
+  });
+}
+
 TEST(PageCache, keeps_what_was_asked_for_last_within_its_bound) {
   PageCache cache(10'000);
   int loads = 0;
-  const auto get = [&](std::uint64_t offset) {
-    return cache.get(key_of(offset), [&]() -> Result<Page> {
-      ++loads;
-      return page_of(2000);
-    });
-  };
+  const auto get = [&](std::uint64_t offset) { return get_page(cache, offset, loads); };
   for (std::uint64_t i = 0; i < 100; ++i) {
     ASSERT_TRUE(get(i).ok());
     ASSERT_TRUE(get(0).ok());  // in use all the time
@@ -43,12 +46,7 @@ TEST(PageCache, keeps_what_was_asked_for_last_within_its_bound) {
 TEST(PageCache, drops_the_oldest_where_the_bound_becomes_smaller) {
   PageCache cache(10'000);
   int loads = 0;
-  const auto get = [&](std::uint64_t offset) {
-    return cache.get(key_of(offset), [&]() -> Result<Page> {
-      ++loads;
-      return page_of(2000);
-    });
-  };
+  const auto get = [&](std::uint64_t offset) { return get_page(cache, offset, loads); };
   for (std::uint64_t i = 0; i < 4; ++i) ASSERT_TRUE(get(i).ok());
   cache.set_bound(5'000);
   EXPECT_LE(cache.bytes(), 5'000u);

@@ -326,6 +326,33 @@ TEST(SparseStore, finds_each_node_of_a_tree_whose_index_has_three_heights) {
   EXPECT_EQ(report.value().nodes, reader->info().shape.nodes());
 }
 
+TEST(StoreReader, an_index_that_may_keep_what_it_wants_reads_each_page_once) {
+  const TestVolume<std::uint8_t> volume({300, 200, 150},
+                                        [](auto x, auto y, auto z) { return 3 * x ^ y ^ z; });
+  const std::string path = temporary("wanted");
+  ASSERT_TRUE(write_store(volume, path, 2, 8).ok());
+  const auto reader = StoreReader::open(path).value();
+  const PageIndex& index = reader->index();
+  index.keep_at_most(index.wanted_bytes());
+  const auto read_all = [&] {
+    for (std::uint32_t level = 0; level < reader->info().shape.levels; ++level) {
+      const Vec3i nodes = reader->info().shape.level_nodes(level);
+      for (std::int64_t i = 0; i < nodes.x * nodes.y * nodes.z; ++i) {
+        const NodeKey key{level, static_cast<std::uint64_t>(i % nodes.x),
+                          static_cast<std::uint64_t>(i / nodes.x % nodes.y),
+                          static_cast<std::uint64_t>(i / nodes.x / nodes.y)};
+        ASSERT_TRUE(reader->node(key).ok());
+      }
+    }
+  };
+  read_all();
+  const std::uint64_t once = reader->bytes_read();
+  EXPECT_LT(index.wanted_bytes(), PageIndex::kCacheBytes);
+  EXPECT_LE(index.cached_bytes(), index.wanted_bytes());
+  read_all();
+  EXPECT_EQ(reader->bytes_read(), once);
+}
+
 TEST(StoreReader, many_threads_find_the_same_records) {
   const TestVolume<std::uint8_t> volume({200, 150, 60}, [](auto x, auto y, auto z) { return x ^ y ^ z; });
   const std::string path = temporary("threads");
