@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gvx/io/external_sort.h"
@@ -171,6 +172,11 @@ class BrickSampling {
     if (brick_ && !(*brick_ == record.brick)) GVX_TRY(end_brick());
     brick_ = record.brick;
     sampler_.add(record.triangle);
+    if (triangles_.triangles() == std::numeric_limits<std::uint32_t>::max() / 3) {
+      return Error{"surface: too many triangles in one cell of its grid"};
+    }
+    triangles_.add(record.triangle.vertices());
+    if (sampler_.samples().cells().empty()) between_lines_.push_back(record.triangle);
     return {};
   }
   Status finish() {
@@ -179,12 +185,20 @@ class BrickSampling {
   }
 
  private:
-  Status end_brick() { return pyramid_.push(brick_->key(level_), sampler_.take()); }
+  Status end_brick() {
+    if (sampler_.samples().cells().empty()) {
+      for (const SurfaceTriangle& triangle : between_lines_) sampler_.add_corners(triangle);
+    }
+    between_lines_.clear();
+    return pyramid_.push(brick_->key(level_), sampler_.take(), std::exchange(triangles_, {}));
+  }
 
   std::uint32_t level_;
   surface::SurfacePyramid& pyramid_;
   std::optional<BrickPlace> brick_;
   SurfaceSampler sampler_;
+  surface::TriangleList triangles_;
+  std::vector<SurfaceTriangle> between_lines_;  // as long as there is no sample
 };
 
 }  // namespace

@@ -47,9 +47,9 @@ Vec3f own_normal(const SurfaceTriangle& triangle) {
 struct Mixed {
   Vec3f normal, color;
 
-  Mixed(const SurfaceTriangle& triangle, const std::int64_t (&weight)[3], std::int64_t all) {
+  Mixed(const SurfaceTriangle& triangle, const std::array<std::int64_t, 3>& weight, std::int64_t all) {
     for (int i = 0; i < 3; ++i) {
-      const auto share = static_cast<float>(static_cast<double>(weight[i]) / static_cast<double>(all));
+      const auto share = static_cast<float>(static_cast<double>(weight[std::size_t(i)]) / static_cast<double>(all));
       const Normal16& n = triangle.normal[i];
       const Rgb8& c = triangle.color[i];
       normal = normal + share / 32767 * Vec3f(float(n[0]), float(n[1]), float(n[2]));
@@ -60,9 +60,33 @@ struct Mixed {
     const float size = length(normal);
     normal = size > kLeast ? normal / size : own_normal(triangle);
   }
+  /// At a corner.
+  Mixed(const SurfaceTriangle& triangle, int corner)
+      : Mixed(triangle, {corner == 0 ? 1 : 0, corner == 1 ? 1 : 0, corner == 2 ? 1 : 0}, 1) {}
 };
 
 }  // namespace
+
+std::array<surface::TriangleVertex, 3> SurfaceTriangle::vertices() const {
+  std::array<surface::TriangleVertex, 3> vertices;
+  for (int i = 0; i < 3; ++i) {
+    const Mixed here(*this, i);
+    vertices[static_cast<std::size_t>(i)] = {corner[i], surface::pack(here.normal, here.color)};
+  }
+  return vertices;
+}
+
+void SurfaceSampler::add_corners(const SurfaceTriangle& triangle) {
+  for (int i = 0; i < 3; ++i) {
+    const Parts place(triangle.corner[i]);
+    const auto cell = [](std::int64_t part) { return static_cast<int>(floor_of(part, kCellParts)); };
+    const Cell at(cell(place.x), cell(place.y), cell(place.z));
+    const auto inside = [](int c) { return c >= 0 && c < kCells; };
+    if (!inside(at.x) || !inside(at.y) || !inside(at.z)) continue;
+    const Mixed here(triangle, i);
+    samples_.add(at, here.normal, here.color);
+  }
+}
 
 void SurfaceSampler::add(const SurfaceTriangle& triangle) {
   for (const auto& corner : triangle.corner) {
@@ -85,8 +109,8 @@ void SurfaceSampler::add_along(int axis, const SurfaceTriangle& triangle) {
   for (int v = rows.first; v <= rows.last; ++v) {
     for (int u = columns.first; u <= columns.last; ++u) {
       const Parts line(u * kCellParts + kCellParts / 2, v * kCellParts + kCellParts / 2, 0);
-      const std::int64_t weight[3] = {side * area_of(line, b, c), side * area_of(line, c, a),
-                                      side * area_of(line, a, b)};
+      const std::array<std::int64_t, 3> weight = {side * area_of(line, b, c), side * area_of(line, c, a),
+                                                  side * area_of(line, a, b)};
       if (weight[0] < 0 || weight[1] < 0 || weight[2] < 0) continue;
       const Wide depth = Wide(weight[0]) * a.z + Wide(weight[1]) * b.z + Wide(weight[2]) * c.z;
       const std::int64_t w = floor_of(depth, Wide(side * area) * kCellParts);

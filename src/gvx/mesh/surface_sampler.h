@@ -9,6 +9,7 @@
 /// beside those that were found.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <utility>
 
@@ -16,11 +17,12 @@
 #include "gvx/mesh/corner_normals.h"
 #include "gvx/mesh/mesh_spool.h"
 #include "gvx/surface/sampled_cells.h"
+#include "gvx/surface/triangle_list.h"
 
 namespace gvx::mesh {
 
 /// Corners are rounded to this part of a cell.
-inline constexpr std::int64_t kCellParts = 512;
+inline constexpr std::int64_t kCellParts = surface::kCellParts;
 /// No corner may be further from a brick than this many parts: products of two such ways are whole numbers.
 inline constexpr std::int64_t kFarthestParts = std::int64_t{1} << 29;
 
@@ -29,11 +31,16 @@ struct SurfaceTriangle {
   Vec3<std::int32_t> corner[3];  ///< parts of a cell, from the brick's corner on
   Normal16 normal[3];            ///< 0 where there is none: then it is the triangle's own
   Rgb8 color[3];
+
+  /// As a brick's list has them.
+  std::array<surface::TriangleVertex, 3> vertices() const;
 };
 
 class SurfaceSampler {
  public:
   void add(const SurfaceTriangle& triangle);
+  /// The cells that its corners are in, of a triangle that lies between all lines.
+  void add_corners(const SurfaceTriangle& triangle);
   const surface::SampledCells& samples() const { return samples_; }
   /// What was found; from then on there is nothing.
   surface::SampledCells take() { return std::exchange(samples_, surface::SampledCells()); }

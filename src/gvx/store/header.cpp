@@ -82,23 +82,6 @@ Result<VolumeInfo> info_of(const StoreFile& file, const FileHeader& header) {
   return info;
 }
 
-Result<std::vector<Section>> read_sections(const StoreFile& file, const FileHeader& header) {
-  if (header.sections > kMostSections) {
-    return file.corrupt(std::to_string(header.sections) + " sections; at most " +
-                        std::to_string(kMostSections) + " are expected");
-  }
-  std::vector<SectionEntry> table(header.sections);
-  const auto bytes = std::as_writable_bytes(std::span(table));
-  if (!file.has(header.table_offset, bytes.size())) {
-    return file.corrupt("the table of sections is not within the file");
-  }
-  GVX_TRY(file.read(header.table_offset, bytes));
-  if (checksum(bytes) != header.table_checksum) {
-    return file.corrupt("the checksum of the table of sections does not match");
-  }
-  return parse_sections(file, table, sizeof(FileHeader));
-}
-
 Result<std::vector<Section>> sections_of(const StoreFile& file, const HeaderVersion2& old) {
   const SectionEntry table[] = {{stored_name(kDirectorySection), 1, 1, 0, old.directory_offset,
                                  old.directory_bytes, old.directory_checksum},
@@ -151,8 +134,11 @@ Result<StoreHeader> read_header(const StoreFile& file) {
   result.version = header.version;
   result.record_bytes = header.record_bytes;
   GVX_ASSIGN(result.info, info_of(file, header));
-  GVX_ASSIGN(result.sections, header.version == 2 ? sections_of(file, old) : read_sections(file, header));
-  GVX_TRY(check_required(file, result.sections));
+  const SectionTable table{header.sections, header.table_offset, header.table_checksum};
+  GVX_ASSIGN(result.sections, header.version == 2 ? sections_of(file, old)
+                                                  : read_sections(file, table, sizeof(FileHeader)));
+  constexpr const char* kKnown[] = {kDirectorySection, kRecordsSection, kMetadataSection};
+  GVX_TRY(check_required(file, result.sections, kKnown));
   return result;
 }
 

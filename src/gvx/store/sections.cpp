@@ -12,10 +12,6 @@ constexpr std::uint32_t kRequired = 1;
 /// The layouts that this program knows, of all sections that it reads.
 constexpr std::uint32_t kKnownVersion = 1;
 
-bool known(const std::string& name) {
-  return name == kDirectorySection || name == kRecordsSection || name == kMetadataSection;
-}
-
 }  // namespace
 
 StoredName stored_name(const std::string& name) {
@@ -71,9 +67,29 @@ Result<std::vector<Section>> parse_sections(const StoreFile& file, std::span<con
   return sections;
 }
 
-Status check_required(const StoreFile& file, std::span<const Section> sections) {
+Result<std::vector<Section>> read_sections(const StoreFile& file, const SectionTable& table,
+                                           std::uint64_t header_bytes) {
+  if (table.sections > kMostSections) {
+    return file.corrupt(std::to_string(table.sections) + " sections; at most " +
+                        std::to_string(kMostSections) + " are expected");
+  }
+  std::vector<SectionEntry> entries(table.sections);
+  const auto bytes = std::as_writable_bytes(std::span(entries));
+  if (!file.has(table.offset, bytes.size())) {
+    return file.corrupt("the table of sections is not within the file");
+  }
+  GVX_TRY(file.read(table.offset, bytes));
+  if (checksum(bytes) != table.checksum) {
+    return file.corrupt("the checksum of the table of sections does not match");
+  }
+  return parse_sections(file, entries, header_bytes);
+}
+
+Status check_required(const StoreFile& file, std::span<const Section> sections,
+                      std::span<const char* const> known) {
   for (const Section& section : sections) {
-    if (!section.required || (known(section.name) && section.version == kKnownVersion)) continue;
+    const bool has_name = std::ranges::any_of(known, [&](const char* name) { return section.name == name; });
+    if (!section.required || (has_name && section.version == kKnownVersion)) continue;
     return Error{file.path() + ": made by a newer gvx: this program does not know section \"" + section.name +
                  "\" (version " + std::to_string(section.version) + "), which is required to read the store"};
   }

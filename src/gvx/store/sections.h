@@ -58,8 +58,20 @@ std::vector<SectionEntry> section_table(std::span<const Section> sections);
 Result<std::vector<Section>> parse_sections(const StoreFile& file, std::span<const SectionEntry> table,
                                             std::uint64_t header_bytes);
 
-/// An error where a section that this program does not know is required.
-Status check_required(const StoreFile& file, std::span<const Section> sections);
+/// Where a file's table of sections is, as its header says.
+struct SectionTable {
+  std::uint32_t sections = 0;
+  std::uint64_t offset = 0, checksum = 0;
+};
+
+/// Reads the table, which must match its checksum, and parses it.
+Result<std::vector<Section>> read_sections(const StoreFile& file, const SectionTable& table,
+                                           std::uint64_t header_bytes);
+
+/// An error where a section is required that has none of the names that the reader knows, or another version
+/// than the first.
+Status check_required(const StoreFile& file, std::span<const Section> sections,
+                      std::span<const char* const> known);
 
 /// The section of a name, or an error. `most_bytes` is what a sound one may have.
 Result<Section> find_section(const StoreFile& file, std::span<const Section> sections, const char* name,

@@ -1,11 +1,7 @@
 #include "gvx/store/store_writer.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <nlohmann/json.hpp>
-
-#include <unistd.h>
 
 #include "gvx/store/header.h"
 #include "gvx/store/shape_check.h"
@@ -13,18 +9,6 @@
 namespace gvx::store {
 
 namespace {
-
-Status check_section(const std::string& path, std::span<const Section> sections, const std::string& name) {
-  const auto printable = [](char c) { return c > ' ' && c < 127; };
-  if (name.empty() || name.size() > StoredName().size() || !std::ranges::all_of(name, printable)) {
-    return Error{path + ": section \"" + name + "\": expected a name of 1 to " +
-                 std::to_string(StoredName().size()) + " printable characters without a space"};
-  }
-  if (std::ranges::any_of(sections, [&](const Section& s) { return s.name == name; })) {
-    return Error{path + ": section \"" + name + "\" is there already"};
-  }
-  return {};
-}
 
 /// Is it of the volume that the store was created for?
 Status check_info(const std::string& path, const VolumeInfo& info, const TreeShape& shape,
@@ -48,67 +32,16 @@ Status check_info(const std::string& path, const VolumeInfo& info, const TreeSha
 }  // namespace
 
 StoreWriter::StoreWriter(PartialFile file, const TreeShape& shape, const RecordLayout& layout)
-    : file_(std::move(file)),
-      partial_path_(file_.name()),
-      descriptor_(file_.descriptor()),
+    : file_(std::move(file), sizeof(FileHeader)),
       shape_(shape),
       layout_(layout),
       index_(shape, layout, [this](std::span<const std::byte> bytes) { return add_block(bytes); }) {}
-
-StoreWriter::~StoreWriter() {
-  (void)wait_for_writing();
-}
 
 Result<std::unique_ptr<StoreWriter>> StoreWriter::create(const std::string& path, const TreeShape& shape,
                                                          const RecordLayout& layout) {
   if (const Status sound = check_shape(shape); !sound.ok()) return Error{path + ": " + sound.error().message};
   GVX_ASSIGN(PartialFile file, PartialFile::create(path));
   return std::unique_ptr<StoreWriter>(new StoreWriter(std::move(file), shape, layout));
-}
-
-Status StoreWriter::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return Error{partial_path_ + ": cannot write: " + std::strerror(errno)};
-    offset += static_cast<std::uint64_t>(written);
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
-  return {};
-}
-
-Status StoreWriter::append(std::span<const std::byte> bytes) {
-  if (file_.descriptor() < 0) return Error{partial_path_ + ": the store is complete; nothing can be added"};
-  pending_.insert(pending_.end(), bytes.begin(), bytes.end());
-  end_ += bytes.size();
-  return pending_.size() < kPendingBytes ? Status() : write_pending();
-}
-
-/// Has what was appended written while the caller goes on; an error of what was written before.
-Status StoreWriter::write_pending() {
-  GVX_TRY(wait_for_writing());
-  std::swap(pending_, being_written_);
-  pending_.clear();
-  const std::uint64_t start = end_ - being_written_.size();
-  writing_ = std::async(std::launch::async, [this, start]() -> Status {
-    GVX_TRY(write_at(start, being_written_));
-    // Waiting for the disk here, beside the caller's work, leaves little to wait for at the end: a device
-    // flushes its own cache for as long as there is data in it.
-    if (fdatasync(descriptor_) != 0) return Error{partial_path_ + ": cannot write: " + std::strerror(errno)};
-    return {};
-  });
-  return {};
-}
-
-Status StoreWriter::wait_for_writing() {
-  return writing_.valid() ? writing_.get() : Status();
-}
-
-Result<BlockRef> StoreWriter::add_block(std::span<const std::byte> bytes) {
-  const BlockRef block{end_, static_cast<std::uint32_t>(bytes.size()),
-                       static_cast<std::uint32_t>(checksum(bytes))};
-  GVX_TRY(append(bytes));
-  return block;
 }
 
 Result<NodeRecord> StoreWriter::add_brick(std::span<const std::byte> compressed,
@@ -131,13 +64,13 @@ Status StoreWriter::add_page_layer(std::uint32_t level, std::int64_t page_z,
                                    std::span<const NodeRecord> records) {
   constexpr std::int64_t kEdge = kPageEdge;
   if (level >= shape_.levels) {
-    return Error{partial_path_ + ": level " + std::to_string(level) + ": the tree has " +
+    return Error{file_.partial_path() + ": level " + std::to_string(level) + ": the tree has " +
                  std::to_string(shape_.levels) + " levels"};
   }
   const Vec3i pages = shape_.level_pages(level);
   const std::int64_t row = pages.x * kEdge, slice = row * pages.y * kEdge;
   if (static_cast<std::int64_t>(records.size()) != slice * kEdge) {
-    return Error{partial_path_ + ": a layer of " + std::to_string(records.size()) + " records; expected " +
+    return Error{file_.partial_path() + ": a layer of " + std::to_string(records.size()) + " records; expected " +
                  std::to_string(slice * kEdge)};
   }
   std::vector<std::byte> page(std::size_t{kPageNodes} * layout_.bytes());
@@ -155,15 +88,8 @@ Status StoreWriter::add_page_layer(std::uint32_t level, std::int64_t page_z,
   return {};
 }
 
-Status StoreWriter::add_section(const std::string& name, std::uint32_t version, bool required,
-                                std::span<const std::byte> bytes) {
-  GVX_TRY(check_section(partial_path_, sections_, name));
-  sections_.push_back({name, version, required, end_, bytes.size(), checksum(bytes)});
-  return append(bytes);
-}
-
 Status StoreWriter::finish(const VolumeInfo& info) {
-  GVX_TRY(check_info(partial_path_, info, shape_, layout_));
+  GVX_TRY(check_info(file_.partial_path(), info, shape_, layout_));
   GVX_ASSIGN(const auto directory, index_.finish());
   GVX_TRY(add_section(kDirectorySection, 1, true, std::as_bytes(std::span(directory))));
   GVX_TRY(add_section(kRecordsSection, 1, true, std::as_bytes(std::span(layout_.fields()))));
@@ -185,22 +111,14 @@ Status StoreWriter::finish(const VolumeInfo& info) {
   GVX_TRY(add_section(kMetadataSection, 1, true, std::as_bytes(std::span(text))));
 
   FileHeader header = header_of(info, layout_.bytes());
-  const auto table = section_table(sections_);
-  const auto table_bytes = std::as_bytes(std::span(table));
-  header.sections = static_cast<std::uint32_t>(table.size());
-  header.table_offset = end_;
-  header.table_checksum = checksum(table_bytes);
-  GVX_TRY(append(table_bytes));
-
-  GVX_TRY(write_pending());
-  GVX_TRY(wait_for_writing());
-  header.file_bytes = end_;
+  GVX_ASSIGN(const SectionTable table, file_.add_table());
+  header.sections = table.sections;
+  header.table_offset = table.offset;
+  header.table_checksum = table.checksum;
+  header.file_bytes = file_.end();
   const auto header_bytes = std::as_bytes(std::span(&header, 1));
   header.header_checksum = checksum(header_bytes.first(offsetof(FileHeader, header_checksum)));
-  GVX_TRY(write_at(0, header_bytes));
-
-  if (fsync(descriptor_) != 0) return Error{partial_path_ + ": cannot write: " + std::strerror(errno)};
-  return file_.commit();
+  return file_.finish(header_bytes);
 }
 
 }  // namespace gvx::store

@@ -5,14 +5,13 @@
 #pragma once
 
 #include <cstdint>
-#include <future>
 #include <memory>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "gvx/core/partial_file.h"
 #include "gvx/core/result.h"
+#include "gvx/store/appended_file.h"
 #include "gvx/store/format.h"
 #include "gvx/store/index_writer.h"
 #include "gvx/store/record_layout.h"
@@ -23,9 +22,6 @@ namespace gvx::store {
 /// finish(), it removes the file.
 class StoreWriter {
  public:
-  /// Bytes that are written at once. Memory holds twice as many.
-  static constexpr std::size_t kPendingBytes = 4 << 20;
-
   /// Creates the file. An error if that fails, or another process writes the same file.
   static Result<std::unique_ptr<StoreWriter>> create(const std::string& path, const TreeShape& shape,
                                                      const RecordLayout& layout);
@@ -33,17 +29,16 @@ class StoreWriter {
                                                      const VoxelFormat& format) {
     return create(path, shape, RecordLayout(format));
   }
-  ~StoreWriter();
   StoreWriter(const StoreWriter&) = delete;
   StoreWriter& operator=(const StoreWriter&) = delete;
 
   /// The most memory that it needs, in bytes.
   static std::uint64_t most_bytes(const TreeShape& shape) {
-    return 2 * kPendingBytes + IndexWriter::most_bytes(shape);
+    return 2 * AppendedFile::kPendingBytes + IndexWriter::most_bytes(shape);
   }
 
   /// Appends bytes to which a record or a section will refer. An error after finish().
-  Result<BlockRef> add_block(std::span<const std::byte> bytes);
+  Result<BlockRef> add_block(std::span<const std::byte> bytes) { return file_.add_block(bytes); }
 
   /// Appends a compressed brick. Returns its record, with these ranges.
   Result<NodeRecord> add_brick(std::span<const std::byte> compressed, const ChannelRanges& ranges);
@@ -62,32 +57,23 @@ class StoreWriter {
   /// Appends a section. Readers that do not know its name ignore it; if it is `required`, they refuse the
   /// store.
   Status add_section(const std::string& name, std::uint32_t version, bool required,
-                     std::span<const std::byte> bytes);
+                     std::span<const std::byte> bytes) {
+    return file_.add_section(name, version, required, bytes);
+  }
 
   /// Completes the store: writes the rest of the index, the metadata, the table of sections and the header,
   /// waits for the disk, and renames the file.
   Status finish(const VolumeInfo& info);
 
-  std::uint64_t bytes_written() const { return end_; }
+  std::uint64_t bytes_written() const { return file_.end(); }
 
  private:
   StoreWriter(PartialFile file, const TreeShape& shape, const RecordLayout& layout);
-  Status append(std::span<const std::byte> bytes);
-  Status write_pending();
-  Status wait_for_writing();
-  Status write_at(std::uint64_t offset, std::span<const std::byte> bytes);
 
-  PartialFile file_;
-  std::string partial_path_;  // its name
-  int descriptor_;            // of it
+  AppendedFile file_;
   TreeShape shape_;
   RecordLayout layout_;
   IndexWriter index_;
-  std::uint64_t end_ = sizeof(FileHeader);
-  std::vector<std::byte> pending_;        // appended, but not written yet: the last before end_
-  std::vector<std::byte> being_written_;  // those before them
-  std::future<Status> writing_;
-  std::vector<Section> sections_;
 };
 
 }  // namespace gvx::store
