@@ -31,13 +31,24 @@ struct Options {
   int brick = 16, tree = 2, threads = 0;
   bool force = false, labels = false;
   CLI::Option* labels_option = nullptr;
+  CLI::Option *brick_option = nullptr, *tree_option = nullptr;
   VolumeFlags volume;
   MeshFlags mesh;
+
+  bool of_voxels() const { return brick_option->count() + tree_option->count() > 0; }
 };
 
 void print_built(const std::string& path, Vec3i d, std::uint64_t bytes) {
   std::printf("%s: %lld x %lld x %lld voxels, %s\n", one_line(path).c_str(), static_cast<long long>(d.x),
               static_cast<long long>(d.y), static_cast<long long>(d.z), bytes_text(bytes).c_str());
+}
+
+void print_built(const std::string& path, const open::BuiltSurface& built) {
+  std::printf("%s: a surface of %llu triangles: %llu bricks in %u levels, %llu samples, %s\n",
+              one_line(path).c_str(), static_cast<unsigned long long>(built.triangles),
+              static_cast<unsigned long long>(built.store.bricks), built.store.levels,
+              static_cast<unsigned long long>(built.store.samples),
+              bytes_text(built.store.bytes_written).c_str());
 }
 
 Status build_from_mesh(const Options& o, const io::StoreBuildOptions& common) {
@@ -61,10 +72,21 @@ Status build_from_mesh(const Options& o, const io::StoreBuildOptions& common) {
   options.show_work = [&](const open::Work& work) { bar.show(work); };
   // Its advice names flags.
   options.naming = open::FieldNaming([](const std::string&) { return std::string(); });
-  GVX_ASSIGN(const open::BuiltMesh built, open::build_mesh(path, o.output, mesh, options));
-  bar.clear();
-  print_built(o.output, built.store.dimensions, built.store.bytes_written);
-  const std::string note = mesh.up ? "" : up_note(path, built.up);
+  GVX_ASSIGN(const bool surface, o.mesh.as_surface());
+  io::MeshUp up;
+  if (surface) {
+    if (o.of_voxels()) return Error{path + ": --brick and --tree are for voxels (--as voxels)"};
+    GVX_ASSIGN(const open::BuiltSurface built, open::build_mesh_surface(path, o.output, mesh, options));
+    bar.clear();
+    print_built(o.output, built);
+    up = built.up;
+  } else {
+    GVX_ASSIGN(const open::BuiltMesh built, open::build_mesh(path, o.output, mesh, options));
+    bar.clear();
+    print_built(o.output, built.store.dimensions, built.store.bytes_written);
+    up = built.up;
+  }
+  const std::string note = mesh.up ? "" : up_note(path, up);
   if (!note.empty()) std::printf("%s\n", one_line(note).c_str());
   return {};
 }
@@ -114,7 +136,7 @@ Status build(const Options& o) {
   if (!o.type.empty()) options.type = types.at(o.type);
   GVX_ASSIGN(options.memory_bytes, in_flag("--memory", parse_bytes(o.memory)));
   if (io::is_mesh_name(o.inputs.front())) return build_from_mesh(o, options);
-  if (o.mesh.given()) return Error{o.inputs.front() + ": --resolution, --fill and --up are for meshes"};
+  if (o.mesh.given()) return Error{o.inputs.front() + ": --as, --resolution, --fill and --up are for meshes"};
   GVX_ASSIGN(const auto volume, open_channels(o.inputs, volume_options));
   options.labels = o.labels_option->count() > 0 ? o.labels : volume->description().labels && !options.type;
   io::StoreBuildReport report;
@@ -144,12 +166,13 @@ Command add_build(CLI::App& program) {
       ->expected(1, 4);
   command->add_option("-o,--output", options->output, "The store to write; its name ends in .gvx")
       ->required();
-  command->add_option("--brick", options->brick, "Voxels along an edge of a brick")
-      ->check(CLI::IsMember({8, 16, 32}))
-      ->capture_default_str();
-  command->add_option("--tree", options->tree, "Factor between the resolutions of two levels")
-      ->check(CLI::IsMember({2, 3}))
-      ->capture_default_str();
+  options->brick_option = command->add_option("--brick", options->brick, "Voxels along an edge of a brick")
+                              ->check(CLI::IsMember({8, 16, 32}))
+                              ->capture_default_str();
+  options->tree_option =
+      command->add_option("--tree", options->tree, "Factor between the resolutions of two levels")
+          ->check(CLI::IsMember({2, 3}))
+          ->capture_default_str();
   command->add_option("--codec", options->codec, "Compression of bricks")
       ->check(CLI::IsMember({"zstd", "lz4", "none"}))
       ->capture_default_str();

@@ -18,6 +18,7 @@
 #include "gvx/open/open_volume.h"
 #include "gvx/store/notes.h"
 #include "gvx/store/store_reader.h"
+#include "gvx/surface/surface_reader.h"
 #include "messages.h"
 #include "progress.h"
 #include "units.h"
@@ -103,6 +104,24 @@ Result<nlohmann::json> describe_store(const std::string& path, std::vector<io::V
                              {"bytes", section.bytes}});
   }
   return j;
+}
+
+Result<nlohmann::json> describe_surface(const std::string& path) {
+  GVX_ASSIGN(const auto reader, surface::SurfaceReader::open(path));
+  const surface::SurfaceInfo& info = reader->info();
+  std::uint64_t bricks = 0;
+  for (std::uint32_t level = 0; level < info.levels; ++level) bricks += reader->nodes(level);
+  return nlohmann::json{{"format", "gvx surface store, version " + std::to_string(surface::kSurfaceVersion)},
+                        {"triangles", info.triangles},
+                        {"levels", info.levels},
+                        {"bricks", bricks},
+                        {"cell", length(info.cells_to_world.column[0])},
+                        {"minimum", list(info.cells_to_world.point(info.bounds.minimum))},
+                        {"maximum", list(info.cells_to_world.point(info.bounds.maximum))},
+                        {"up", kUpAxisNames[static_cast<std::size_t>(info.up)]},
+                        {"codec", store::codec_name(info.codec)},
+                        {"source", info.source},
+                        {"file_bytes", reader->file().size_bytes()}};
 }
 
 nlohmann::json describe_volume(const io::VolumeDescription& d) {
@@ -204,9 +223,21 @@ void print_values(const nlohmann::json& j, const std::vector<io::ValueSummary>& 
   }
 }
 
+void print_surface(const nlohmann::json& j) {
+  row("triangles", j["triangles"].dump());
+  row("tree", j["bricks"].dump() + " bricks in " + j["levels"].dump() + " levels, " + j["codec"].get<std::string>());
+  row("cell", number(j["cell"]) + ", of the finest level");
+  row("from", joined(j["minimum"], ", "));
+  row("to", joined(j["maximum"], ", "));
+  row("up", j["up"]);
+  row("source", one_line(j["source"].get<std::string>()));
+  row("file", bytes_text(j["file_bytes"]));
+}
+
 void print(const std::string& path, const nlohmann::json& j) {
   std::printf("%s\n", one_line(path).c_str());
   row("format", j["format"]);
+  if (j.contains("cell")) return print_surface(j);
   if (j.contains("triangles")) {
     row("triangles",
         j["triangles"].dump() + ", and " + j["dropped_triangles"].dump() + " that cover nothing" +
@@ -320,6 +351,15 @@ Status info(const Options& o) {
   if (mesh && o.volume.given()) return o.volume.refuse(o.path);
   if (!store && !mesh) return info_of_volume(o, volume);
   std::vector<io::ValueSummary> summaries;
+  if (store && surface::is_surface_store(o.path)) {
+    GVX_ASSIGN(const nlohmann::json j, describe_surface(o.path));
+    if (o.json) {
+      print_json(j, {});
+    } else {
+      print(o.path, j);
+    }
+    return {};
+  }
   GVX_ASSIGN(const nlohmann::json j, store ? describe_store(o.path, summaries) : describe_mesh(o.path));
   if (o.json) {
     print_json(j, summaries);

@@ -7,6 +7,12 @@ namespace gvx::app {
 
 void MeshFlags::add_to(CLI::App& command) {
   const char* group = "Mesh input";
+  command
+      .add_option("--as", as_,
+                  "surface: the mesh itself, at all resolutions; voxels: a volume that it is in (default: "
+                  "surface, unless --resolution or --fill is given)")
+      ->check(CLI::IsMember({"surface", "voxels"}))
+      ->group(group);
   command.add_option("--resolution", resolution_, "Voxels along the longest side of a mesh (512)")
       ->check(CLI::Range(1, 1 << 20))
       ->group(group);
@@ -21,6 +27,12 @@ void MeshFlags::add_to(CLI::App& command) {
                   "The axis of the mesh that points up (default: y for glTF, OBJ and PLY, z for STL)")
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(kUpAxisNames), std::end(kUpAxisNames))))
       ->group(group);
+}
+
+Result<bool> MeshFlags::as_surface() const {
+  const bool of_voxels = resolution_ || fill_;
+  if (as_ == "surface" && of_voxels) return Error{"--as surface: --resolution and --fill are for voxels"};
+  return as_ ? *as_ == "surface" : !of_voxels;
 }
 
 open::MeshBuild MeshFlags::parse() const {

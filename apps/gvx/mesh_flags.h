@@ -12,17 +12,19 @@
 
 namespace gvx::app {
 
-/// --resolution, --fill, --up.
+/// --as, --resolution, --fill, --up.
 class MeshFlags {
  public:
   void add_to(CLI::App& command);
   open::MeshBuild parse() const;
   /// Was any of them given?
-  bool given() const { return resolution_ || fill_ || up_; }
+  bool given() const { return as_ || resolution_ || fill_ || up_; }
+  /// Does the mesh become a surface, or voxels? An error where flags of both were given.
+  Result<bool> as_surface() const;
 
  private:
   std::optional<std::int64_t> resolution_;
-  std::optional<std::string> fill_, up_;
+  std::optional<std::string> as_, fill_, up_;
 };
 
 /// "bunny.obj: y is up, as in most OBJ files (--up overrides it)", if that is a guess; otherwise empty.

@@ -1,9 +1,11 @@
 // gvx render SCENE -o OUT.png: a picture of a scene.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
@@ -35,7 +37,7 @@ namespace gvx::app {
 namespace {
 
 struct Options {
-  std::string scene, output, budget, frames, memory = "512M", device = "cpu", stats, save_scene, proxy;
+  std::string scene, output, budget, frames, memory = "512M", device = "cpu", stats, save_scene, proxy, overlay = "none";
   int threads = 0, budget_frames = 1;
   double zoom = 0;  // 0: an orbit
   bool exact = false, quiet = false;
@@ -336,17 +338,29 @@ Result<open::OpenScene> open_scene(const Options& o, const scene::SceneFile& sce
 Result<std::function<Status(const render::View&)>> look_at(engine::Cache& cache, engine::Viewer& viewer,
                                                            const open::OpenScene& opened, bool alone) {
   using Look = std::function<Status(const render::View&)>;
-  if (alone) {
+  if (alone && !opened.volume.producer->description().surface) {
     GVX_ASSIGN(const auto volume, cache.open(opened.volume.producer));
     return Look([&viewer, volume](const render::View& view) { return viewer.look(view, volume); });
   }
   std::vector<engine::Object> objects;
   for (const open::OpenObject& object : opened.objects) {
-    GVX_ASSIGN(auto volume, cache.open(object.volume.producer));
-    objects.push_back({std::move(volume), object.to_world, object.look});
+    engine::Object placed{nullptr, object.to_world, object.look};
+    if (object.volume.producer->description().surface) {
+      GVX_ASSIGN(placed.surface, cache.open_surface(object.volume.producer));
+    } else {
+      GVX_ASSIGN(placed.volume, cache.open(object.volume.producer));
+    }
+    objects.push_back(std::move(placed));
   }
   GVX_ASSIGN(const auto world, engine::World::make(std::move(objects)));
   return Look([&viewer, world](const render::View& view) { return viewer.look(view, world); });
+}
+
+surface::Overlay overlay_of(const std::string& name) {
+  const auto found = std::find(std::begin(surface::kOverlayNames), std::end(surface::kOverlayNames), name);
+  return found == std::end(surface::kOverlayNames)
+             ? surface::Overlay::none
+             : static_cast<surface::Overlay>(found - std::begin(surface::kOverlayNames));
 }
 
 Status save_scene(const Options& o, scene::SceneFile scene) {
@@ -375,7 +389,8 @@ Status render(const Options& o) {
   const open::FieldNaming naming([&](const std::string& field) { return o.flags.flag_of(field); });
   GVX_ASSIGN(const open::OpenScene opened, open_scene(o, scene, device, cache_options.memory_bytes, naming));
   const produce::TreeDescription& tree = opened.volume.producer->description();
-  const render::View& view = opened.view;
+  render::View view = opened.view;
+  view.overlay = overlay_of(o.overlay);
   GVX_ASSIGN(const nlohmann::json legend, legend_of(opened, naming));
   GVX_TRY(save_scene(o, opened.scene));
   const bool alone = !open::has_placed_objects(scene);
@@ -383,14 +398,14 @@ Status render(const Options& o) {
     if (!alone) return Error{"--proxy: goes with a scene of one object without a transform"};
     GVX_ASSIGN(viewer_options.proxy, make_proxy(std::move(proxy), opened));
   }
-  GVX_TRY(check_memory(cache_options.memory_bytes, tree));
+  if (!tree.surface) GVX_TRY(check_memory(cache_options.memory_bytes, tree));
   GVX_ASSIGN(const auto cache, engine::Cache::create(device, cache_options));
   engine::Viewer viewer(cache, viewer_options);
   GVX_ASSIGN(const auto look, look_at(*cache, viewer, opened, alone));
   // A frame is done in parts, and those of a budget are few: only the share that is done says anything.
   const bool counts_rays = !frames && o.budget.empty();
   Progress progress("rendering", counts_rays ? Progress::Unit::rays : Progress::Unit::none, o.quiet);
-  const Studio studio{o,       device, viewer, look, alone ? &tree : nullptr, viewer_options.proxy != nullptr,
+  const Studio studio{o,       device, viewer, look, alone && !tree.surface ? &tree : nullptr, viewer_options.proxy != nullptr,
                       progress};
   GVX_ASSIGN(const engine::Statistics statistics,
              frames ? render_frames(studio, view, *frames, opened.path) : render_still(studio, view));
@@ -461,6 +476,14 @@ Command add_render(CLI::App& program) {
                    "last point where they cross it. nodes: gvx makes this mesh from the nodes that may be "
                    "visible")
       ->check(not_empty());
+  command
+      ->add_option("--overlay", o->overlay,
+                   "What the colours of surfaces show. technique: what was rasterised (red), cast (green) and "
+                   "splatted (blue); samples: how many samples the column of a cell has, one (green), one span "
+                   "(blue), several (red)")
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(surface::kOverlayNames),
+                                                     std::end(surface::kOverlayNames))))
+      ->capture_default_str();
   command->add_option("--stats", o->stats, "Write statistics to this JSON file")->check(not_empty());
   command
       ->add_option("--save-scene", o->save_scene,

@@ -54,6 +54,7 @@ Result<std::shared_ptr<Volume>> Cache::open(std::shared_ptr<const produce::Produ
   }
   forget_closed();
   const tree::TreeDescription& tree = producer->description();
+  if (tree.surface) return Error{"volume: the producer makes a surface"};
   GVX_TRY(check(tree));
   GVX_TRY(render::check_kernels(device_, tree.format.type, tree.n, tree.m));
   GVX_ASSIGN(const PoolSizes sizes, sizes_for(tree, options_));
@@ -65,7 +66,36 @@ Result<std::shared_ptr<Volume>> Cache::open(std::shared_ptr<const produce::Produ
   return volume;
 }
 
+Result<std::shared_ptr<Surface>> Cache::open_surface(std::shared_ptr<const produce::Producer> producer) {
+  if (producer == nullptr) return Error{"surface: no producer"};
+  if (device_.kind() != exec::DeviceKind::cpu) {
+    return Error{"a GPU renders no surfaces so far; use --device cpu"};
+  }
+  const exec::FairMutex::Turn turn = take_turn();
+  for (const auto& surface : surfaces_) {
+    if (surface->producer() == producer) return surface;
+  }
+  forget_closed();
+  if (!producer->description().surface) return Error{"surface: the producer makes a volume"};
+  GVX_TRY(check_placement(producer->description().tree_to_world));
+  const produce::TreeId id = production_->add(producer);
+  surfaces_.push_back(std::make_shared<Surface>(std::move(producer), production_, id));
+  budget_.add(surfaces_.back().get());
+  return surfaces_.back();
+}
+
+std::uint32_t Cache::begin_pass(Client& client) {
+  client.pass = clock_.begin(client.walker);
+  for (const auto& surface : surfaces_) surface->residency().begin_pass(client.pass, clock_.in_use_since());
+  return client.pass;
+}
+
 void Cache::forget_closed() {
+  std::erase_if(surfaces_, [&](const auto& surface) {
+    if (surface.use_count() > 1) return false;
+    budget_.remove(surface.get());
+    return true;
+  });
   std::erase_if(volumes_, [&](const auto& volume) {
     if (volume.use_count() > 1) return false;
     budget_.remove(volume.get());
@@ -76,6 +106,13 @@ void Cache::forget_closed() {
 Volume* Cache::volume_of(produce::TreeId tree) const {
   for (const auto& volume : volumes_) {
     if (volume->id() == tree) return volume.get();
+  }
+  return nullptr;
+}
+
+Surface* Cache::surface_of(produce::TreeId tree) const {
+  for (const auto& surface : surfaces_) {
+    if (surface->id() == tree) return surface.get();
   }
   return nullptr;
 }
@@ -133,6 +170,20 @@ bool Cache::limit_to_room(std::vector<produce::ElementKey>& elements, Eviction e
   return dropped;
 }
 
+std::vector<produce::ElementKey> Cache::limit_to_room(const std::vector<SurfaceElement>& elements,
+                                                      Eviction eviction) {
+  std::vector<produce::ElementKey> kept;
+  ElementSet seen;
+  std::uint64_t bytes = 0;
+  for (const SurfaceElement& element : elements) {
+    if (!seen.insert(element.key).second) continue;
+    if (!budget_.make_room(bytes + element.bytes, eviction)) break;
+    bytes += element.bytes;
+    kept.push_back(element.key);
+  }
+  return kept;
+}
+
 void Cache::want(Client& client, produce::Tier tier, const std::vector<produce::ElementKey>& elements) {
   ElementSet& wanted = tier == produce::Tier::visible ? client.visible : client.ahead;
   wanted = ElementSet(elements.begin(), elements.end());
@@ -168,6 +219,15 @@ std::uint64_t Cache::take_in(std::vector<produce::FinishedElement> made, Evictio
   }
   std::uint64_t evicted = 0;
   for (auto& [tree, elements] : by_tree) {
+    if (Surface* const surface = surface_of(produce::TreeId(tree)); surface != nullptr) {
+      for (const produce::FinishedElement& element : elements) {
+        const auto& bytes = element.element.value().bytes;
+        // What others asked for may find no room.
+        const bool fits = budget_.make_room(SurfaceResidency::bytes_of(bytes->size()), eviction);
+        if (fits) surface->residency().put(element.key, bytes);
+      }
+      continue;
+    }
     Volume* volume = volume_of(produce::TreeId(tree));
     if (volume == nullptr) continue;  // it was closed meanwhile
     const CommitCounts counts = volume->residency().commit(std::move(elements), eviction);
@@ -180,7 +240,10 @@ std::uint64_t Cache::take_in(std::vector<produce::FinishedElement> made, Evictio
 /// Tells those who want an element that it came, or why not. What nobody sees may fail: whoever comes to see
 /// it will hear of it.
 void Cache::tell(const produce::FinishedElement& made) {
-  const std::uint64_t bricks = made.key.kind == produce::ElementKind::brick && made.element.ok() ? 1 : 0;
+  using Kind = produce::ElementKind;
+  const bool is_brick = made.key.kind == Kind::brick || made.key.kind == Kind::surface_geometry ||
+                        made.key.kind == Kind::surface_triangles;
+  const std::uint64_t bricks = is_brick && made.element.ok() ? 1 : 0;
   for (const auto& client : clients_) {
     if (client->visible.erase(made.key) > 0) {
       client->bricks_made += bricks;

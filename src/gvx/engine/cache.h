@@ -16,6 +16,7 @@
 #include "gvx/cache/pass_clock.h"
 #include "gvx/core/result.h"
 #include "gvx/engine/memory_budget.h"
+#include "gvx/engine/surface.h"
 #include "gvx/engine/volume.h"
 #include "gvx/exec/device.h"
 #include "gvx/exec/fair_mutex.h"
@@ -60,6 +61,9 @@ class Cache {
   /// is opened or a viewer leaves.
   Result<std::shared_ptr<Volume>> open(std::shared_ptr<const produce::Producer> producer);
 
+  /// The same for the producer of a surface: one whose tree's description says so.
+  Result<std::shared_ptr<Surface>> open_surface(std::shared_ptr<const produce::Producer> producer);
+
   const exec::Device& device() const { return device_; }
   /// How long producers' threads have worked, all of them together.
   double making_milliseconds() const { return production_->making_milliseconds(); }
@@ -78,7 +82,7 @@ class Cache {
   void remove_client(Client* client);
   bool has_one_client() const { return clients_.size() == 1; }
   /// A client's rays begin to march: their stamps carry the number that this returns.
-  std::uint32_t begin_pass(Client& client) { return client.pass = clock_.begin(client.walker); }
+  std::uint32_t begin_pass(Client& client);
   /// A client's rays have nothing more to do: what they touched may go.
   void rest(Client& client) { clock_.rest(client.walker); }
 
@@ -89,6 +93,14 @@ class Cache {
   /// Makes room for elements, and drops those, from the back, that there is none for; returns whether there
   /// were any.
   bool limit_to_room(std::vector<produce::ElementKey>& elements, Eviction eviction);
+  /// An element of a surface that a picture lacks.
+  struct SurfaceElement {
+    produce::ElementKey key;
+    std::uint64_t bytes = 0;
+  };
+  /// Makes room for as many of these as possible, from the first on, and returns them.
+  std::vector<produce::ElementKey> limit_to_room(const std::vector<SurfaceElement>& elements,
+                                                 Eviction eviction);
   /// Has these made for the picture, or for a later one, in place of what was wanted before.
   void want(Client& client, produce::Tier tier, const std::vector<produce::ElementKey>& elements);
   /// Is nothing left to make, or to commit, of what the client wants for its picture?
@@ -101,6 +113,7 @@ class Cache {
 
   void forget_closed();
   Volume* volume_of(produce::TreeId tree) const;
+  Surface* surface_of(produce::TreeId tree) const;
   std::uint64_t take_in(std::vector<produce::FinishedElement> made, Eviction eviction);
   void tell(const produce::FinishedElement& made);
 
@@ -110,6 +123,7 @@ class Cache {
   std::shared_ptr<produce::Production> production_;
   std::vector<std::unique_ptr<Client>> clients_;
   std::vector<std::shared_ptr<Volume>> volumes_;
+  std::vector<std::shared_ptr<Surface>> surfaces_;
   MemoryBudget budget_;
   std::vector<produce::FinishedElement>
       others_;  // that were made while a client made room by force: they wait

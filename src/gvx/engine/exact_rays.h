@@ -28,6 +28,9 @@ class ExactRays {
   /// All rays of the film are at their start.
   void begin(const render::Film& film);
 
+  /// None of them marches.
+  void end() { unfinished_.clear(); }
+
   bool finished() const { return unfinished_.empty(); }
   /// Do all rays run that are unfinished?
   bool all_run() const { return window_ >= unfinished_.size(); }

@@ -64,20 +64,53 @@ std::uint64_t MemoryBudget::bytes_used() const {
   for (const Share& share : shares_) {
     used += share.of_nodes + share.of_producer + brick_bytes_of(*share.volume);
   }
+  for (const Surface* surface : surfaces_) used += surface->residency().bytes();
   return used;
 }
 
 /// Of the others that can give a brick away, the one whose oldest was not used for the longest time.
-Volume* MemoryBudget::with_oldest(const Volume& but, Eviction eviction) const {
+Volume* MemoryBudget::with_oldest(const Volume* but, Eviction eviction) const {
   Volume* oldest = nullptr;
   for (const Share& share : shares_) {
     Volume* const volume = share.volume;
-    if (volume == &but || volume->residency().room(eviction).bricks == 0) continue;
+    if (volume == but || volume->residency().room(eviction).bricks == 0) continue;
     const bool older =
         oldest == nullptr || volume->residency().brick_pass(0) < oldest->residency().brick_pass(0);
     if (older) oldest = volume;
   }
   return oldest;
+}
+
+Surface* MemoryBudget::surface_with_oldest(Eviction eviction) const {
+  Surface* oldest = nullptr;
+  for (Surface* surface : surfaces_) {
+    if (!surface->residency().may_evict(eviction)) continue;
+    const bool older =
+        oldest == nullptr || surface->residency().oldest_pass() < oldest->residency().oldest_pass();
+    if (older) oldest = surface;
+  }
+  return oldest;
+}
+
+bool MemoryBudget::make_room(std::uint64_t wanted_bytes, Eviction eviction) {
+  if (wanted_bytes > bytes_) return false;
+  while (bytes_used() + wanted_bytes > bytes_) {
+    Surface* const surface = surface_with_oldest(eviction);
+    Volume* const volume = with_oldest(nullptr, eviction);
+    if (surface == nullptr && volume == nullptr) return false;
+    const bool of_volume = surface == nullptr || (volume != nullptr && volume->residency().brick_pass(0) <=
+                                                                           surface->residency().oldest_pass());
+    if (!of_volume) {
+      surface->residency().evict_oldest();
+      continue;
+    }
+    Residency& from = volume->residency();
+    const std::uint64_t lack = bytes_used() + wanted_bytes - bytes_, brick = from.bricks().brick_bytes();
+    const std::uint64_t most = std::max<std::uint64_t>(from.free_bricks(), 1);
+    from.withhold_bricks(static_cast<std::uint32_t>(
+        std::min({(lack + brick - 1) / brick, most, std::uint64_t(from.room(eviction).bricks)})));
+  }
+  return true;
 }
 
 void MemoryBudget::make_room(Volume& volume, std::size_t wanted, Eviction eviction) {
@@ -91,10 +124,20 @@ void MemoryBudget::make_room(Volume& volume, std::size_t wanted, Eviction evicti
       residency.restore_bricks(static_cast<std::uint32_t>(fit));
       continue;
     }
-    Volume* giver = with_oldest(volume, eviction);
+    Volume* giver = with_oldest(&volume, eviction);
+    const bool own_may_go = residency.room(eviction).bricks > empty;
+    if (Surface* const surface = surface_with_oldest(eviction);
+        surface != nullptr &&
+        (giver == nullptr || surface->residency().oldest_pass() < giver->residency().brick_pass(0))) {
+      const bool own_is_older =
+          own_may_go &&
+          residency.brick_pass(static_cast<std::uint32_t>(empty)) <= surface->residency().oldest_pass();
+      if (own_is_older) return;
+      surface->residency().evict_oldest();
+      continue;
+    }
     if (giver == nullptr) return;
     Residency& from = giver->residency();
-    const bool own_may_go = residency.room(eviction).bricks > empty;
     if (own_may_go && residency.brick_pass(static_cast<std::uint32_t>(empty)) <= from.brick_pass(0)) return;
     // Of bricks some at a time: then another's may be the oldest.
     constexpr std::uint64_t kMostAtOnce = 16;

@@ -17,7 +17,9 @@ Result<WorldFrames> WorldFrames::make(const exec::Device& device, const render::
   GVX_ASSIGN(frames.film_, render::film_of(view));
   const std::span<const Object> objects = world.objects();
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const bool only_one_left = i + 1 == objects.size() && frames.frames_.empty();
+    if (world.is_surface(i)) continue;
+    const bool only_one_left =
+        i + 1 == objects.size() && frames.frames_.empty() && world.surfaces().empty();
     if (!only_one_left && world.out_of_sight(i, frames.film_.camera)) continue;
     const Volume* volume = objects[i].volume.get();
     const render::Frame* like = frames.like(volume, world.kind(i));
@@ -122,7 +124,7 @@ std::span<const render::ObjectView> SeenWorld::views(const WorldFrames& frames) 
 }
 
 const render::ObjectTiles* SeenWorld::tiles(const WorldFrames& frames) {
-  if (frames.size() == 1) return nullptr;
+  if (frames.size() == 1 && world_->surfaces().empty()) return nullptr;
   if (tiles_of_ != frames.id()) {
     tiles_ = std::make_unique<const render::ObjectTiles>(frames.film(), views_);
     tiles_of_ = frames.id();

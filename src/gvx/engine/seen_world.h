@@ -18,7 +18,8 @@
 
 namespace gvx::engine {
 
-/// The frames of one picture of a world: one for each object in sight, and one in any case.
+/// The frames of one picture of a world: one for each volume in sight, and one in any case
+/// where all objects are volumes.
 class WorldFrames {
  public:
   /// An error if the view cannot be made. Tables are shared with `previous`, which may be null, and among
@@ -75,7 +76,7 @@ class SeenWorld {
 
   /// What a pass of these frames marches; valid until the next call.
   std::span<const render::ObjectView> views(const WorldFrames& frames);
-  /// Where those are on the film; null for a single one.
+  /// Where those are on the film; null for a single volume.
   const render::ObjectTiles* tiles(const WorldFrames& frames);
 
  private:

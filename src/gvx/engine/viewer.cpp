@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -74,16 +75,27 @@ Status Viewer::look(const render::View& view, std::shared_ptr<const World> world
   }
   frames_ = std::move(frames);
   view_ = view;
+  see_surfaces();
   GVX_TRY(look_coarsely());
   cut_rays();
   film_->clear();
   exact_->begin(*film_);
+  if (!has_volumes()) exact_->end();
   crowded_ = false;
   preview_at_rest_ = false;
   restarts_ = 0;
   data_came_ = false;
   preview_->begin_view(ahead_.moving() ? pace_.first_block() : render::Film::kLargestBlock);
   return {};
+}
+
+/// Those of this view are to be drawn anew.
+void Viewer::see_surfaces() {
+  surfaces_.reset();
+  lacking_of_surfaces_.clear();
+  const bool some = !world().surfaces().empty();
+  if (some) surfaces_.emplace(host(), *view_, frames_->film(), world());
+  film_->show_surfaces(some ? surfaces_->film() : surface::SurfaceFilmView{}, !has_volumes());
 }
 
 Status Viewer::make_film(const render::View& view, std::uint32_t projecting) {
@@ -119,7 +131,7 @@ Status Viewer::look_coarsely() {
 
 /// Finds what the proxy leaves of this view's rays.
 void Viewer::cut_rays() {
-  const bool cuts = world().objects().size() == 1 && !scene::projects(world().objects()[0].shown.mode);
+  const bool cuts = world().objects().size() == 1 && has_volumes() && !scene::projects(world().objects()[0].shown.mode);
   const std::shared_ptr<const scene::Proxy>& proxy = options_.proxy;
   if (proxy == nullptr || !cuts) {
     spans_ = {};
@@ -148,6 +160,7 @@ render::Pass Viewer::pass(const WorldFrames& frames) {
   pass.film = frames.film();
   if (of_this_view && spans_.size() > 0) pass.film.proxy = spans_.view().data;
   pass.objects = seen_.views(frames);
+  if (surfaces_ && of_this_view) pass.surfaces = surfaces_->film();
   pass.object_tiles = seen_.tiles(frames);
   pass.number = client_->pass;
   pass.one_ray_at_a_time = options_.one_ray_at_a_time;
@@ -164,6 +177,7 @@ int Viewer::levels() const {
 }
 
 Status Viewer::out_of_memory() const {
+  if (!has_volumes()) return Error{"memory: it does not hold one brick of the surface"};
   std::uint64_t tiles = 0, bricks = 0;
   for (const Volume* volume : world().volumes()) {
     tiles += volume->residency().nodes().tiles();
@@ -225,6 +239,7 @@ void Viewer::ask() {
     cache_->limit_to_room(elements, client_->eviction);
   }
   exact_->adapt(crowded_, film_->grid().tiles());
+  elements.insert(elements.begin(), lacking_of_surfaces_.begin(), lacking_of_surfaces_.end());
   cache_->want(*client_, produce::Tier::visible, elements);
 }
 
@@ -253,13 +268,76 @@ Status Viewer::wait(exec::FairMutex::Turn& turn, exec::Deadline deadline, bool k
   return commit();
 }
 
+/// Those that there is room for; at least one, if there is any way to make room for it.
+std::vector<produce::ElementKey> Viewer::limit_surfaces(const std::vector<Cache::SurfaceElement>& lacking) {
+  client_->eviction = Eviction::unused;
+  std::vector<produce::ElementKey> elements = cache_->limit_to_room(lacking, Eviction::unused);
+  if (!elements.empty()) return elements;
+  // What was drawn is not needed any more.
+  client_->eviction = Eviction::any;
+  return cache_->limit_to_room(lacking, Eviction::any);
+}
+
+/// Draws the exact picture's surfaces to the end.
+Status Viewer::draw_surfaces(exec::FairMutex::Turn& turn) {
+  while (!surfaces_->complete()) {
+    begin_pass();
+    std::vector<Cache::SurfaceElement> lacking;
+    {
+      const TimeSum::Span marching(marching_);
+      ++statistics_.passes;
+      lacking = surfaces_->advance();
+    }
+    if (surfaces_->complete()) break;
+    statistics_.requests += lacking.size();
+    const std::vector<produce::ElementKey> elements = limit_surfaces(lacking);
+    if (elements.empty()) return out_of_memory();
+    cache_->want(*client_, produce::Tier::visible, elements);
+    const bool by_force = client_->eviction == Eviction::any;
+    while (!cache_->idle(*client_)) GVX_TRY(wait(turn, exec::no_deadline(), by_force));
+  }
+  return {};
+}
+
+/// Draws surfaces with what is in memory, and asks for the rest. The first time of a view it waits until
+/// there is something to show.
+Status Viewer::draw_surfaces_roughly(exec::FairMutex::Turn& turn, exec::Deadline deadline) {
+  while (true) {
+    std::vector<Cache::SurfaceElement> lacking;
+    {
+      const TimeSum::Span marching(marching_);
+      ++statistics_.passes;
+      lacking = surfaces_->draw_resident();
+    }
+    data_came_ = false;
+    lacking_of_surfaces_.clear();
+    statistics_.requests += lacking.size();
+    if (surfaces_->complete()) break;
+    client_->eviction = Eviction::unused;
+    lacking_of_surfaces_ = cache_->limit_to_room(lacking, Eviction::unused);
+    cache_->want(*client_, produce::Tier::visible, lacking_of_surfaces_);
+    const bool shows_none = surfaces_->counts().drawn() == 0;
+    if (lacking_of_surfaces_.empty() || (!shows_none && exec::late(deadline))) break;
+    const exec::Deadline until = shows_none ? exec::no_deadline() : deadline;
+    while (!cache_->idle(*client_) && !exec::late(until)) GVX_TRY(wait(turn, until, true));
+    if (!data_came_) break;
+  }
+  // What rays have marched ends elsewhere now.
+  film_->clear();
+  exact_->begin(*film_);
+  if (!has_volumes()) exact_->end();
+  preview_->begin_again();
+  return {};
+}
+
 Status Viewer::render_exact(const RayProgress& progress) {
   if (!film_) return kNoView;
   reported_ = Clock::now();
   exec::FairMutex::Turn turn = cache_->take_turn();
   begin_frame();
   cache_->want(*client_, produce::Tier::ahead, {});
-  Status status = march_to_the_end(turn, progress);
+  Status status = surfaces_ ? draw_surfaces(turn) : Status();
+  if (status.ok() && has_volumes()) status = march_to_the_end(turn, progress);
   // What was wanted when something failed is nobody's concern now.
   if (!status.ok()) cache_->want(*client_, produce::Tier::visible, {});
   cache_->rest(*client_);
@@ -338,6 +416,13 @@ Status Viewer::render_for(std::chrono::nanoseconds budget) {
   GVX_TRY(show_roots(turn));
   GVX_TRY(commit());
   const exec::Deadline deadline = timer_.deadline(budget);
+  if (surfaces_ && !surfaces_->complete()) GVX_TRY(draw_surfaces_roughly(turn, deadline));
+  if (!has_volumes()) {
+    timer_.end(deadline);
+    statistics_.frame_milliseconds = timer_.milliseconds();
+    if (surfaces_->complete()) cache_->rest(*client_);
+    return {};
+  }
   // A picture at rest that is drawn already is refreshed with what came since, for a part of the time; not
   // where the refresh would push out what exact rays wait for.
   const bool refreshing = preview_->complete() && data_came_ && !crowded_;
@@ -368,7 +453,7 @@ Status Viewer::render_for(std::chrono::nanoseconds budget) {
     if (preview_->block() < PreviewPace::kRestBlock) preview_at_rest_ = true;
     if (preview_at_rest_) {
       moving_frames_.reset();
-      march_exactly(deadline, {});
+      if (!surfaces_ || surfaces_->complete()) march_exactly(deadline, {});
     }
     ask();              // collect
     GVX_TRY(commit());  // evict, commit
@@ -394,7 +479,7 @@ Status Viewer::render_for(std::chrono::nanoseconds budget) {
 /// Asks for what a picture that is a few frames ahead of a moving camera would lack: a level deeper each
 /// time, until it lacks nothing.
 void Viewer::prefetch(exec::Deadline deadline) {
-  if (!options_.prefetch || !ahead_.moving() || crowded_ || !exact_->all_run() || exec::late(deadline))
+  if (surfaces_ || !options_.prefetch || !ahead_.moving() || crowded_ || !exact_->all_run() || exec::late(deadline))
     return;
   const auto view = ahead_.next(*view_);
   if (!view) return;
@@ -446,6 +531,15 @@ Statistics Viewer::statistics() const {
     times.reading_milliseconds += volume->producer()->times().reading_milliseconds;
     times.decoding_milliseconds += volume->producer()->times().decoding_milliseconds;
   }
+  std::set<const Surface*> counted;
+  for (const std::size_t object : view_ ? world().surfaces() : std::span<const std::size_t>()) {
+    const Surface& surface = *world().objects()[object].surface;
+    if (!counted.insert(&surface).second) continue;
+    s.bricks_resident += surface.residency().size();
+    s.bytes_read += surface.producer()->bytes_read();
+    times.reading_milliseconds += surface.producer()->times().reading_milliseconds;
+    times.decoding_milliseconds += surface.producer()->times().decoding_milliseconds;
+  }
   s.bricks_produced = client_->bricks_made;
   s.bricks_evicted = client_->bricks_evicted;
   turn.end();
@@ -481,7 +575,7 @@ Status Viewer::picture(const render::PictureTarget& target) {
   if (!film_) return kNoView;
   GVX_TRY(render::check(target, view_->width, view_->height));
   const bool wants_reach = !target.depth.values.empty() || !target.object.values.empty();
-  const bool deep = world().objects().size() > 1 || !scene::projects(world().objects()[0].shown.mode);
+  const bool deep = world().objects().size() > 1 || !has_volumes() || !scene::projects(world().objects()[0].shown.mode);
   if (wants_reach && !deep) return Error{"picture: depth: only modes composite and isosurface have one"};
   film_->develop(host(), development(), target);
   if (wants_reach) write_reach(target);
@@ -507,7 +601,9 @@ void Viewer::write_reach(const render::PictureTarget& target) {
         const double ray_x = middle(x), ray_y = middle(static_cast<double>(y));
         const render::RayReach reach = render::reach(all, ray_x, ray_y, kHalf);
         along_view = reach.distance * dot(camera.pixel_ray_from_eye(ray_x, ray_y).direction, camera.forward);
-        if (reach.object >= 0) {
+        if (reach.object == render::RayReach::kSurface) {
+          object = all.surfaces.at(static_cast<std::uint32_t>(ray_x), static_cast<std::uint32_t>(ray_y)).object;
+        } else if (reach.object >= 0) {
           object = static_cast<std::int32_t>(frames.object(static_cast<std::size_t>(reach.object)));
         }
       }

@@ -17,6 +17,7 @@
 #include "gvx/engine/look_ahead.h"
 #include "gvx/engine/preview_pace.h"
 #include "gvx/engine/preview_rays.h"
+#include "gvx/engine/seen_surfaces.h"
 #include "gvx/engine/seen_world.h"
 #include "gvx/engine/statistics.h"
 #include "gvx/engine/world.h"
@@ -66,7 +67,9 @@ class Viewer {
   Status render_for(std::chrono::nanoseconds budget);
 
   /// Is the picture the exact one?
-  bool converged() const { return film_.has_value() && exact_->finished(); }
+  bool converged() const {
+    return film_.has_value() && exact_->finished() && (!surfaces_ || surfaces_->complete());
+  }
   /// The picture as far as it is rendered; empty before look().
   render::Picture picture() const;
   /// The same into the caller's memory, in parallel. An error if rows do not fit, or if the depth of a
@@ -90,9 +93,15 @@ class Viewer {
   int levels() const;
   Status out_of_memory() const;
 
+  void see_surfaces();
+  bool has_volumes() const { return !world().volumes().empty(); }
+
   // A frame's parts, with the turn.
   void begin_frame();
   void begin_pass() { cache_->begin_pass(*client_); }
+  std::vector<produce::ElementKey> limit_surfaces(const std::vector<Cache::SurfaceElement>& lacking);
+  Status draw_surfaces(exec::FairMutex::Turn& turn);
+  Status draw_surfaces_roughly(exec::FairMutex::Turn& turn, exec::Deadline deadline);
   Status show_roots(exec::FairMutex::Turn& turn);
   Status march_to_the_end(exec::FairMutex::Turn& turn, const RayProgress& progress);
   void march_exactly(exec::Deadline deadline, const RayProgress& progress);
@@ -113,6 +122,9 @@ class Viewer {
   double moving_bias_ = 0;                    // by how many levels that is coarser
   SeenWorld seen_;
   exec::Buffer<RayInterval> spans_;  // of the film's rays in the proxy; none: rays are not cut
+
+  std::optional<SeenSurfaces> surfaces_;                  // none: the world has none
+  std::vector<produce::ElementKey> lacking_of_surfaces_;  // of what a budget's frame shows
 
   std::optional<render::Film> film_;
   std::optional<ExactRays> exact_;

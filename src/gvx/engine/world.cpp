@@ -13,8 +13,10 @@ Result<std::shared_ptr<const World>> World::make(std::vector<Object> objects) {
   auto world = std::make_shared<World>();
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const std::string name = "objects[" + std::to_string(i) + "]";
-    if (objects[i].volume == nullptr) return Error{name + ": no volume"};
-    const Affine3 place = objects[i].transform * objects[i].volume->tree().tree_to_world;
+    const bool is_surface = objects[i].surface != nullptr;
+    if (is_surface == (objects[i].volume != nullptr)) return Error{name + ": expected a volume or a surface"};
+    const tree::TreeDescription& tree = is_surface ? objects[i].surface->tree() : objects[i].volume->tree();
+    const Affine3 place = objects[i].transform * tree.tree_to_world;
     if (!check_placement(place).ok()) return Error{name + ".transform: it has no usable inverse"};
     world->add(std::move(objects[i]));
   }
@@ -22,6 +24,16 @@ Result<std::shared_ptr<const World>> World::make(std::vector<Object> objects) {
 }
 
 void World::add(Object object) {
+  tree::TreeDescription tree = object.surface != nullptr ? object.surface->tree() : object.volume->tree();
+  tree.histograms.clear();
+  tree.tree_to_world = object.transform * tree.tree_to_world;
+  trees_.push_back(std::move(tree));
+  if (object.surface != nullptr) {
+    surfaces_.push_back(objects_.size());
+    kind_of_.push_back(0);
+    objects_.push_back(std::move(object));
+    return;
+  }
   auto volume = std::find(volumes_.begin(), volumes_.end(), object.volume.get());
   if (volume == volumes_.end()) volume = volumes_.insert(volume, object.volume.get());
   const auto index = static_cast<std::size_t>(volume - volumes_.begin());
@@ -31,10 +43,6 @@ void World::add(Object object) {
   kind_of_.push_back(static_cast<std::size_t>(same - kinds_.begin()));
   if (same == kinds_.end()) kinds_.push_back({index, objects_.size()});
   projecting_ += scene::projects(object.shown.mode) ? 1 : 0;
-  tree::TreeDescription tree = object.volume->tree();
-  tree.histograms.clear();
-  tree.tree_to_world = object.transform * tree.tree_to_world;
-  trees_.push_back(std::move(tree));
   objects_.push_back(std::move(object));
 }
 

@@ -1,6 +1,6 @@
 /// \file
-/// World: the objects of a picture. An object is a volume at a place, shown in a way of its own. Thousands of
-/// objects may show one volume: it is in memory once.
+/// World: the objects of a picture. An object is a volume or a surface at a place, shown in a way of its own.
+/// Thousands of objects may show one volume: it is in memory once.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +11,7 @@
 #include "gvx/core/affine.h"
 #include "gvx/core/ray.h"
 #include "gvx/core/result.h"
+#include "gvx/engine/surface.h"
 #include "gvx/engine/volume.h"
 #include "gvx/render/frame/view.h"
 #include "gvx/tree/tree_description.h"
@@ -18,9 +19,10 @@
 namespace gvx::engine {
 
 struct Object {
-  std::shared_ptr<Volume> volume;
+  std::shared_ptr<Volume> volume;  ///< null where it is a surface
   Affine3 transform;         ///< from the volume's world to the picture's; it may mirror and shear
-  render::ObjectLook shown;  ///< mode, transfer functions, clip box..
+  render::ObjectLook shown;  ///< mode, transfer functions, clip box..; of a volume
+  std::shared_ptr<Surface> surface = {};
 };
 
 /// Does not change once it is made: viewers share it.
@@ -31,8 +33,11 @@ class World {
   static Result<std::shared_ptr<const World>> make(std::vector<Object> objects);
 
   std::span<const Object> objects() const { return objects_; }
-  /// The tree of an object's volume, placed in the picture's world.
+  /// The tree of an object's volume or surface, placed in the picture's world.
   const tree::TreeDescription& tree(std::size_t object) const { return trees_[object]; }
+  /// Objects, by their numbers, that are surfaces.
+  std::span<const std::size_t> surfaces() const { return surfaces_; }
+  bool is_surface(std::size_t object) const { return objects_[object].surface != nullptr; }
   /// The volumes, each once.
   std::span<Volume* const> volumes() const { return volumes_; }
 
@@ -45,6 +50,7 @@ class World {
     std::size_t object = 0;  ///< one that has it
   };
   std::span<const Kind> kinds() const { return kinds_; }
+  /// Of a volume.
   std::size_t kind(std::size_t object) const { return kind_of_[object]; }
 
   /// Can the camera see nothing of an object's box? True is certain.
@@ -56,6 +62,7 @@ class World {
   std::vector<Object> objects_;
   std::vector<tree::TreeDescription> trees_;  // without histograms
   std::vector<Volume*> volumes_;
+  std::vector<std::size_t> surfaces_;
   std::vector<Kind> kinds_;
   std::vector<std::size_t> kind_of_;
   std::uint32_t projecting_ = 0;

@@ -212,8 +212,8 @@ Result<double> cell_of(const MeshSpool& mesh) {
     edges.add(sorted[1]);
     return {};
   }));
-  constexpr double kMedianOfSmallestTenth = 0.05;
-  return 0.5 * edges.quantile(kMedianOfSmallestTenth);
+  constexpr double kMedian = 0.5, kShare = 0.7;
+  return kShare * edges.quantile(kMedian);
 }
 
 SurfaceSpace surface_space(const MeshSummary& mesh, double cell) {

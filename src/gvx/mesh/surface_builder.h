@@ -31,9 +31,9 @@ struct SurfaceSpace {
 /// kFarthestParts.
 inline constexpr std::uint32_t kFinestSurface = 14;
 
-/// The edge of cells that show a mesh's finest parts: half the median edge of the smallest tenth of its
-/// triangles. (Reichl and others 2012 take the smallest of all, which is a sliver in most scans.) Edges are
-/// told apart by 3 %.
+/// The edge of cells at which samples take about as many bytes as triangles: 0.7 times the median of the
+/// triangles' median edges. (Reichl and others 2012 take half the smallest triangle, which is a sliver in
+/// most scans.) Edges are told apart by 3 %.
 Result<double> cell_of(const MeshSpool& mesh);
 
 /// The least cube for cells of this edge or, where that would be more levels than can be built, of larger

@@ -33,12 +33,39 @@ std::string mesh_notes(const mesh::MeshSummary& summary, bool solid) {
   return text;
 }
 
+namespace {
+
+std::string scratch_folder(const MeshBuild& build, const std::string& output) {
+  const std::string beside = std::filesystem::path(output).parent_path().string();
+  return !build.scratch_folder.empty() ? build.scratch_folder : beside.empty() ? "." : beside;
+}
+
+}  // namespace
+
+Result<BuiltSurface> build_mesh_surface(const std::string& path, const std::string& output,
+                                        const MeshBuild& build, const OpenOptions& options) {
+  const mesh::SurfaceProgress show = [&](const char* what, std::uint64_t done, std::uint64_t all) {
+    options.show_work({what, Work::Unit::none, done, all});
+  };
+  GVX_ASSIGN(const auto mesh,
+             mesh::spool_mesh(path, scratch_folder(build, output), build.store.memory_bytes,
+                              [&](std::uint64_t done, std::uint64_t all) { show("reading", done, all); }));
+  const mesh::MeshSummary& summary = mesh->summary();
+  const io::MeshUp likely = io::mesh_up(path, summary.bounds);
+  mesh::SurfaceStoreOptions store;
+  store.up = build.up.value_or(likely.axis);
+  store.codec = build.store.codec;
+  store.memory_bytes = build.store.memory_bytes;
+  store.source = std::filesystem::path(path).filename().string();
+  const std::string notes = mesh_notes(summary, false);
+  if (!notes.empty()) options.warn(path + ": " + notes);
+  GVX_ASSIGN(const auto report, mesh::build_surface_store(*mesh, output, store, show));
+  return BuiltSurface{report, likely, summary.triangles};
+}
+
 Result<BuiltMesh> build_mesh(const std::string& path, const std::string& output, MeshBuild build,
                              const OpenOptions& options) {
-  const std::string beside = std::filesystem::path(output).parent_path().string();
-  const std::string folder = !build.scratch_folder.empty() ? build.scratch_folder
-                             : beside.empty()              ? "."
-                                                           : beside;
+  const std::string folder = scratch_folder(build, output);
   const mesh::MeshBuildProgress show = [&](const char* what, std::uint64_t done, std::uint64_t all) {
     const bool voxels = std::string_view(what) == "building";
     options.show_work({what, voxels ? Work::Unit::voxels : Work::Unit::none, done, all});

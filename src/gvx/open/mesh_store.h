@@ -1,5 +1,5 @@
 /// \file
-/// build_mesh: from a mesh file to a store.
+/// build_mesh, build_mesh_surface: from a mesh file to a store of voxels, or of a surface.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +11,7 @@
 #include "gvx/io/mesh.h"
 #include "gvx/io/mesh_parts.h"
 #include "gvx/mesh/mesh_voxels.h"
+#include "gvx/mesh/surface_store.h"
 #include "gvx/open/options.h"
 
 namespace gvx::open {
@@ -35,6 +36,16 @@ struct BuiltMesh {
 /// What a user should know of how a mesh was read, without a line end; empty where there is nothing to say.
 /// `solid`: was it filled?
 std::string mesh_notes(const mesh::MeshSummary& summary, bool solid);
+
+struct BuiltSurface {
+  mesh::SurfaceStoreReport store;
+  io::MeshUp up;  ///< what the mesh itself says of the axis that points up
+  std::uint64_t triangles = 0;
+};
+
+/// Reads the mesh and writes a store of its surface. Of `build` counts what does not speak of voxels.
+Result<BuiltSurface> build_mesh_surface(const std::string& path, const std::string& output,
+                                        const MeshBuild& build, const OpenOptions& options);
 
 /// Reads the mesh and writes the store.
 Result<BuiltMesh> build_mesh(const std::string& path, const std::string& output, MeshBuild build,

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <utility>
 
+#include "gvx/io/mesh.h"
 #include "gvx/io/sample_type.h"
 #include "gvx/io/tiff.h"
 #include "gvx/open/closest_word.h"
@@ -20,6 +21,7 @@
 #include "gvx/produce/store_producer.h"
 #include "gvx/scene/transfer_presets.h"
 #include "gvx/store/store_reader.h"
+#include "gvx/surface/stored_surface.h"
 
 namespace gvx::open {
 namespace {
@@ -28,6 +30,7 @@ namespace {
 struct Request {
   io::VolumeOptions volume;
   const OpenOptions& options;
+  bool meshes_are_surfaces = false;
 };
 
 /// A store, or what another program's file becomes, which takes what is left of `parts`.
@@ -46,8 +49,28 @@ Result<std::unique_ptr<store::StoreReader>> open_store(const Request& request, c
   return reader;
 }
 
+/// The surface of a store, or of a mesh where it is to be shown as such; nothing where the name is another's.
+Result<std::optional<OpenVolume>> open_surface(const Request& request, const std::string& name,
+                                               const scene::GenerateParts& parts) {
+  std::unique_ptr<surface::SurfaceReader> reader;
+  if (surface::is_surface_store(name)) {
+    GVX_ASSIGN(reader, surface::SurfaceReader::open(name));
+  } else if (request.meshes_are_surfaces && io::is_mesh_name(name) && !parts.resolution) {
+    GVX_TRY(check_all_taken(name, parts));
+    GVX_ASSIGN(reader, open_temporary_surface(name, request.options));
+  } else {
+    return std::optional<OpenVolume>();
+  }
+  return std::optional(OpenVolume{std::make_shared<surface::StoredSurface>(std::move(reader)), {}});
+}
+
 /// A name, with what was said of it that no scene has taken yet.
 Result<OpenVolume> open_part(const Request& request, const std::string& name, scene::GenerateParts& parts);
+
+Status check_voxels(const OpenVolume& volume, const std::string& name, const char* scene) {
+  if (!volume.producer->description().surface) return {};
+  return Error{name + ": " + scene + ": it is a surface; expected a volume"};
+}
 
 /// COPIES:SCENE, or SCENE, which is shown 8 times along each axis.
 Result<OpenVolume> open_repeated(const Request& request, std::string name, scene::GenerateParts& parts) {
@@ -61,6 +84,7 @@ Result<OpenVolume> open_repeated(const Request& request, std::string name, scene
     }
   }
   GVX_ASSIGN(OpenVolume one, open_part(request, name, parts));
+  GVX_TRY(check_voxels(one, name, "repeat"));
   const auto levels = static_cast<std::uint32_t>(std::countr_zero(static_cast<std::uint64_t>(copies)));
   auto many = produce::RepeatProducer::create(std::move(one.producer), levels);
   if (!many.ok()) return Error{name + ": " + many.error().message};
@@ -91,6 +115,7 @@ Result<OpenVolume> open_amplified(const Request& request, const std::string& nam
   const bool in_march = parts.in_march.value_or(false);
   parts.in_march.reset();
   GVX_ASSIGN(OpenVolume one, open_part(request, name, parts));
+  GVX_TRY(check_voxels(one, name, "amplify"));
   if (in_march) return add_noise_in_march(std::move(one), name, options);
   auto rich = produce::AmplifyProducer::create(std::move(one.producer), options);
   if (!rich.ok()) return Error{name + ": " + rich.error().message};
@@ -98,8 +123,10 @@ Result<OpenVolume> open_amplified(const Request& request, const std::string& nam
 }
 
 Result<OpenVolume> open_part(const Request& request, const std::string& name, scene::GenerateParts& parts) {
-  if (name.starts_with("repeat:")) return open_repeated(request, name.substr(7), parts);
-  if (name.starts_with("amplify:")) return open_amplified(request, name.substr(8), parts);
+  Request of_voxels = request;
+  of_voxels.meshes_are_surfaces = false;
+  if (name.starts_with("repeat:")) return open_repeated(of_voxels, name.substr(7), parts);
+  if (name.starts_with("amplify:")) return open_amplified(of_voxels, name.substr(8), parts);
   GVX_ASSIGN(std::optional<OpenVolume> built_in, open_made_scene(request.options.render, name, parts));
   if (built_in) return std::move(*built_in);
   std::error_code ignored;
@@ -109,10 +136,22 @@ Result<OpenVolume> open_part(const Request& request, const std::string& name, sc
       return Error{name + ": neither a file nor a made scene; did you mean " + *near + "?"};
     }
   }
+  GVX_ASSIGN(std::optional<OpenVolume> surface, open_surface(request, name, parts));
+  if (surface) return std::move(*surface);
   GVX_ASSIGN(auto reader, open_store(request, name, parts));
   auto producer = std::make_shared<produce::StoreProducer>(std::move(reader));
   const std::string preset = scene::suggest_preset(value_statistics(producer->description(), 0));
   return OpenVolume{std::move(producer), preset};
+}
+
+/// An error where a surface is to be shown as only volumes are.
+Status check_surface(const scene::ObjectParts& object, const OpenVolume& opened) {
+  if (!opened.producer->description().surface) return {};
+  const std::string& name = *object.volume;
+  if (object.mode.value_or(scene::Mode::composite) != scene::Mode::composite)
+    return Error{name + ": mode: a surface is shown as it is; expected composite"};
+  if (object.clip) return Error{name + ": clip: surfaces are not clipped yet; expected none"};
+  return {};
 }
 
 }  // namespace
@@ -120,7 +159,11 @@ Result<OpenVolume> open_part(const Request& request, const std::string& name, sc
 Result<OpenVolume> open_volume(const scene::ObjectParts& object, const OpenOptions& options) {
   if (!object.volume) return Error{"volume: expected the name of a volume, found nothing"};
   scene::GenerateParts parts = object.generate;
-  GVX_ASSIGN(OpenVolume opened, open_part({volume_options(object), options}, *object.volume, parts));
+  Request request{volume_options(object), options};
+  request.meshes_are_surfaces = object.mode.value_or(scene::Mode::composite) == scene::Mode::composite &&
+                                !object.clip && options.render.kind() == exec::DeviceKind::cpu;
+  GVX_ASSIGN(OpenVolume opened, open_part(request, *object.volume, parts));
+  GVX_TRY(check_surface(object, opened));
   GVX_TRY(check_all_taken(*object.volume, parts));
   return opened;
 }
@@ -136,7 +179,7 @@ Result<bool> is_store(const std::string& path) {
   if (!file) return Error{path + ": cannot open: " + std::strerror(errno)};
   std::array<char, 8> magic{};
   file.read(magic.data(), magic.size());
-  return magic == store::kMagic || path.ends_with(".gvx");
+  return magic == store::kMagic || magic == surface::kSurfaceMagic || path.ends_with(".gvx");
 }
 
 scene::ValueStatistics value_statistics(const produce::TreeDescription& tree, std::size_t channel) {

@@ -1,6 +1,7 @@
 /// \file
 /// open_volume: from what a scene says of a volume to a producer. A volume is a store, another program's
-/// volume or mesh file, or a made scene by name.
+/// volume or mesh file, or a made scene by name. A mesh is shown as the surface that it is, unless the scene
+/// asks for what only voxels have: a resolution, a clip box, a mode other than composite.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +21,7 @@
 
 namespace gvx::open {
 
-/// A volume that can be rendered.
+/// A volume or a surface that can be rendered: the producer's tree says which.
 struct OpenVolume {
   std::shared_ptr<const produce::Producer> producer;
   /// The preset that suits it.
@@ -38,7 +39,7 @@ struct OpenVolume {
 /// field of `generate` does not apply to it.
 Result<OpenVolume> open_volume(const scene::ObjectParts& object, const OpenOptions& options = {});
 
-/// Is the file a .gvx store, by its first bytes? An error where it cannot be read.
+/// Is the file a .gvx store, of a volume or a surface, by its first bytes? An error where it cannot be read.
 Result<bool> is_store(const std::string& path);
 
 /// What is said of a volume file, as readers take it.

@@ -62,12 +62,9 @@ Status build_from_volume(const std::string& path, const Place& store, const io::
   return {};
 }
 
-}  // namespace
-
-Result<std::unique_ptr<store::StoreReader>> open_temporary_store(const std::string& path,
-                                                                 const io::VolumeOptions& volume_options,
-                                                                 scene::GenerateParts parts,
-                                                                 const OpenOptions& options) {
+/// Has build(place) write a store without a name, and opens it. Errors that name it say what it is.
+template <typename Reader, typename Build>
+Result<std::unique_ptr<Reader>> open_built(const Build& build) {
   std::error_code error;
   const std::string folder = std::filesystem::temp_directory_path(error).string();
   if (error) return Error{"the folder for temporary files (TMPDIR): " + error.message()};
@@ -78,13 +75,35 @@ Result<std::unique_ptr<store::StoreReader>> open_temporary_store(const std::stri
     return of_store ? Error{"temporary store in " + folder + failure.message.substr(place.path.size())}
                     : failure;
   };
-  const Status built = io::is_mesh_name(path)
-                           ? build_from_mesh(path, place, parts, options)
-                           : build_from_volume(path, place, volume_options, parts, options);
+  const Status built = build(place);
   if (!built.ok()) return in_words(built.error());
-  auto reader = store::StoreReader::open(place.path);
+  auto reader = Reader::open(place.path);
   if (!reader.ok()) return in_words(reader.error());
   return reader;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<store::StoreReader>> open_temporary_store(const std::string& path,
+                                                                 const io::VolumeOptions& volume_options,
+                                                                 scene::GenerateParts parts,
+                                                                 const OpenOptions& options) {
+  return open_built<store::StoreReader>([&](const Place& place) {
+    return io::is_mesh_name(path) ? build_from_mesh(path, place, parts, options)
+                                  : build_from_volume(path, place, volume_options, parts, options);
+  });
+}
+
+Result<std::unique_ptr<surface::SurfaceReader>> open_temporary_surface(const std::string& path,
+                                                                       const OpenOptions& options) {
+  return open_built<surface::SurfaceReader>([&](const Place& place) -> Status {
+    MeshBuild build;
+    build.store.codec = store::Codec::lz4;
+    build.scratch_folder = place.folder;
+    GVX_ASSIGN(const BuiltSurface built, build_mesh_surface(path, place.path, build, options));
+    (void)built;
+    return {};
+  });
 }
 
 Status check_all_taken(const std::string& name, const scene::GenerateParts& left) {

@@ -10,6 +10,7 @@
 #include "gvx/open/options.h"
 #include "gvx/scene/scene_file.h"
 #include "gvx/store/store_reader.h"
+#include "gvx/surface/surface_reader.h"
 
 namespace gvx::open {
 
@@ -19,6 +20,10 @@ Result<std::unique_ptr<store::StoreReader>> open_temporary_store(const std::stri
                                                                  const io::VolumeOptions& volume_options,
                                                                  scene::GenerateParts parts,
                                                                  const OpenOptions& options);
+
+/// The same of a mesh's surface.
+Result<std::unique_ptr<surface::SurfaceReader>> open_temporary_surface(const std::string& path,
+                                                                       const OpenOptions& options);
 
 /// An error where something is said of a scene that it does not take: `left` is what nothing took.
 Status check_all_taken(const std::string& name, const scene::GenerateParts& left);

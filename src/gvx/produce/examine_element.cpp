@@ -78,6 +78,7 @@ Status check_size(const TreeDescription& tree, const NodeKey& node, ElementKind 
     return Error{name_of(node, kind) + ": expected " + std::to_string(expected) + " " + what +
                  ", its producer made " + std::to_string(size)};
   };
+  if (of_surface(kind)) return expect(made.bytes != nullptr ? 1 : 0, 1, "list of bytes");
   if (kind == ElementKind::brick) return expect(made.voxels.size(), tree.brick_bytes(), "bytes");
   const std::size_t children = std::size_t{tree.n} * tree.n * tree.n;
   GVX_TRY(expect(made.child_keys.size(), children, "keys"));

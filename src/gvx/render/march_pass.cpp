@@ -51,14 +51,14 @@ Status check_objects(const exec::Device& device, std::size_t objects, std::size_
 }
 
 bool march_exact(const exec::Device& device, const ExactMarch& march) {
-  if (march.pass.objects.size() > 1) return scene_march(device, march);
+  if (!march.pass.of_one_object()) return scene_march(device, march);
   if (device.kind() == exec::DeviceKind::cpu && marches_tiles(march.pass)) return tile_march(device, march);
   return with_voxel_type(march.pass.object().frame.format.type,
                          [&](auto zero) { return kernels::march_exact<decltype(zero)>(device, march); });
 }
 
 bool march_preview(const exec::Device& device, const PreviewMarch& march) {
-  if (march.pass.objects.size() > 1) return scene_preview(device, march);
+  if (!march.pass.of_one_object()) return scene_preview(device, march);
   if (device.kind() == exec::DeviceKind::cpu && marches_tiles(march.pass)) return tile_preview(device, march);
   return with_voxel_type(march.pass.object().frame.format.type,
                          [&](auto zero) { return kernels::march_preview<decltype(zero)>(device, march); });
@@ -75,7 +75,7 @@ void march_ray(const Pass& pass, double x, double y, RayState& state) {
 }
 
 PreviewPixel preview_ray(const Pass& pass, double x, double y) {
-  if (pass.objects.size() > 1) return SceneRay(pass, x, y).preview();
+  if (!pass.of_one_object()) return SceneRay(pass, x, y).preview();
   const auto march = march_of(pass.object(), pass.number);
   march->begin(pass.film.ray(x, y));
   RayState state;
@@ -87,7 +87,7 @@ PreviewPixel preview_ray(const Pass& pass, double x, double y) {
 }
 
 RayReach reach(const Pass& pass, double x, double y, float opacity) {
-  if (pass.objects.size() > 1 || projects(pass.object().frame)) return SceneRay(pass, x, y).reach(opacity);
+  if (!pass.of_one_object() || projects(pass.object().frame)) return SceneRay(pass, x, y).reach(opacity);
   const auto march = march_of(pass.object(), pass.number);
   march->begin(pass.film.ray(x, y));
   RayState state;

@@ -20,6 +20,7 @@
 #include "gvx/render/frame/frame.h"
 #include "gvx/render/frame/ray_projection.h"
 #include "gvx/render/frame/ray_state.h"
+#include "gvx/surface/draw/surface_film_view.h"
 #include "gvx/tree/hidden_nodes.h"
 #include "gvx/tree/node_pool.h"
 
@@ -43,7 +44,9 @@ struct ObjectView {
 /// What a pass works on.
 struct Pass {
   FilmView film;
-  std::span<const ObjectView> objects;  ///< one or more, as seen from the film's eye
+  std::span<const ObjectView> objects;  ///< volumes: one or more, or any where there are surfaces
+  /// What each ray of the film sees of opaque surfaces, if there are any: there it ends.
+  surface::SurfaceFilmView surfaces = {};
   /// Where on the film they are; null: that is found anew. For several objects.
   const ObjectTiles* object_tiles = nullptr;
   std::uint32_t number = 0;                     ///< the stamp of this pass
@@ -58,6 +61,8 @@ struct Pass {
   /// On a CPU: never many rays in vectors, where there is a choice.
   bool one_ray_at_a_time = false;
 
+  /// Is it a volume by itself?
+  bool of_one_object() const { return objects.size() == 1 && surfaces.empty(); }
   /// The only object of a scene.
   const ObjectView& object() const {
     GVX_CHECK(objects.size() == 1);
@@ -123,7 +128,10 @@ PreviewPixel preview_ray(const Pass& pass, double x, double y);
 struct RayReach {
   float opacity = 0;
   double distance = INFINITY;  ///< from the eye, in the world; infinite where it does not come to it
-  std::int32_t object = -1;    ///< of the pass, most of whose matter is there; -1 for none
+  /// Of the pass, most of whose matter is there; kNone, or kSurface.
+  std::int32_t object = kNone;
+
+  static constexpr std::int32_t kNone = -1, kSurface = INT32_MAX;
 };
 
 /// Where a preview of ray (x, y) comes to this opacity (march.h); on a CPU. A projection's opacity is one

@@ -27,6 +27,8 @@ struct TreeDescription : VolumeDescription {
   std::vector<std::optional<Vec3f>> channel_colors;
   /// describe() returns exact ranges. If not, the engine looks for finest bricks that are constant after all.
   bool exact_ranges = false;
+  /// There are no voxels: the elements are those of a surface, whose bricks have m cells along an edge.
+  bool surface = false;
   std::uint64_t bricks = 0;  ///< the most bricks that there can be, or 0 if unknown: limits the memory
 
   std::size_t brick_bytes() const { return gvx::brick_bytes(format, m); }

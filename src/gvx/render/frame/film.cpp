@@ -89,10 +89,16 @@ Film::Film(const exec::Device& device, std::uint32_t width, std::uint32_t height
       samples_(device, rays_.size() * projecting) {}
 
 Film::Seen Film::seen(std::uint32_t x, std::uint32_t y) const {
-  if (is_blank(x, y)) return {};
+  if (only_surfaces_ || is_blank(x, y)) return seen_of_surfaces(x, y);
   const RayState& ray = rays_.view()[std::size_t(y) * width_ + x];
   if (ray.epoch == epoch_ && ray.phase == RayPhase::finished) return {ray.color, ray.opacity};
   return seen_in_preview(x, y);
+}
+
+Film::Seen Film::seen_of_surfaces(std::uint32_t x, std::uint32_t y) const {
+  if (surfaces_.empty()) return {};
+  const surface::SurfacePixel& pixel = surfaces_.at(x, y);
+  return pixel.shaded() ? Seen{pixel.color, 1} : Seen{};
 }
 
 Film::Seen Film::seen_in_preview(std::uint32_t x, std::uint32_t y) const {
@@ -164,7 +170,7 @@ FilmTotals Film::totals() const {
       const RayState& ray = rays_.view()[std::size_t(y) * width_ + x];
       if (ray.epoch == epoch_) totals.samples += ray.samples;
       const bool finished = ray.epoch == epoch_ && ray.phase == RayPhase::finished;
-      totals.unfinished += finished || is_blank(x, y) ? 0 : 1;
+      totals.unfinished += finished || only_surfaces_ || is_blank(x, y) ? 0 : 1;
     }
   }
   for (const PreviewPixel& pixel : preview_.view()) {

@@ -14,6 +14,7 @@
 #include "gvx/render/frame/frame.h"
 #include "gvx/render/frame/ray_projection.h"
 #include "gvx/render/frame/ray_state.h"
+#include "gvx/surface/draw/surface_film_view.h"
 
 namespace gvx::render {
 
@@ -81,6 +82,13 @@ class Film {
   /// Pass::projections.
   ProjectionsView projections() { return {projections_.view(), samples_.view(), projecting_}; }
 
+  /// What each ray sees of opaque surfaces; it must stay valid. Rays that have marched have it in their
+  /// states already: it is shown where none does, and where all is surfaces (`only`) everywhere.
+  void show_surfaces(const surface::SurfaceFilmView& surfaces, bool only) {
+    surfaces_ = surfaces;
+    only_surfaces_ = only;
+  }
+
   /// All rays back to their start and no preview: a new epoch.
   void clear() { ++epoch_; }
   /// What rays and preview pixels of this picture carry; others count as not there.
@@ -113,6 +121,7 @@ class Film {
     float opacity = 0;
   };
   Seen seen(std::uint32_t x, std::uint32_t y) const;
+  Seen seen_of_surfaces(std::uint32_t x, std::uint32_t y) const;
   Seen seen_in_preview(std::uint32_t x, std::uint32_t y) const;
   Seen mean_of(std::uint32_t rays_per_axis, std::uint32_t x, std::uint32_t y) const;
   bool is_blank(std::uint32_t x, std::uint32_t y) const {
@@ -124,6 +133,8 @@ class Film {
   exec::Buffer<RayState> rays_;
   exec::Buffer<PreviewPixel> preview_;
   exec::Buffer<std::uint32_t> blank_tiles_;
+  surface::SurfaceFilmView surfaces_;
+  bool only_surfaces_ = false;
   std::uint32_t projecting_;
   exec::Buffer<RayProjection> projections_;
   exec::Buffer<ProjectedSample> samples_;

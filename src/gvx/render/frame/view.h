@@ -14,6 +14,7 @@
 #include "gvx/scene/lighting.h"
 #include "gvx/scene/transfer_function.h"
 #include "gvx/scene/visibility.h"
+#include "gvx/surface/draw/surface_overlay.h"
 
 namespace gvx::render {
 
@@ -59,6 +60,8 @@ struct View : ObjectLook {
   /// Voxels across a ray's cone at the level of detail that is chosen. At 2 the interpolation filter is as
   /// wide as the cone. At 1 pictures are blurred, and load a quarter of the data.
   double detail = 2;
+  /// What colours of surfaces say instead of their own.
+  surface::Overlay overlay = surface::Overlay::none;
   static constexpr double kLeastDetail = 0.25, kMostDetail = 16;
 
   bool operator==(const View&) const = default;

@@ -23,6 +23,8 @@ struct RaySpan {
   std::uint32_t object = 0;  ///< its index among those that the ray's spans are of
 
   RaySpan(const FrameView& frame, const ObjectRay& ray, std::uint32_t object);
+  RaySpan(double enter_, double overlap_end_, std::uint32_t object_)
+      : enter(enter_), overlap_end(overlap_end_), object(object_) {}
 };
 
 /// Into the order in which a ray meets them.

@@ -5,6 +5,7 @@
 
 #include "gvx/render/reference/joint_march.h"
 #include "gvx/render/reference/stretch.h"
+#include "gvx/render/reference/surface_hit.h"
 
 namespace gvx::render {
 namespace {
@@ -70,13 +71,22 @@ bool march_segment(const RayThroughObjects& ray, RayState& state, PreviewPixel* 
 }
 
 SceneRay::SceneRay(const Pass& pass, double x, double y) : ray_(pass.film.ray(x, y)) {
+  SurfaceHit surface;
+  if (!pass.surfaces.empty()) surface.set(pass.film, pass.surfaces, x, y);
   for (std::uint32_t i = 0; i < pass.objects.size(); ++i) {
     const ObjectView& object = pass.objects[i];
     const ObjectRay ray(object.frame, ray_);
     if (ray.inside.empty()) continue;
-    spans_.emplace_back(object.frame, ray, static_cast<std::uint32_t>(marches_.size()));
-    objects_.push_back(i);
+    const RaySpan span(object.frame, ray, static_cast<std::uint32_t>(marches_.size()));
+    if (span.enter >= surface.distance()) continue;
+    spans_.push_back(span);
+    objects_.push_back(static_cast<std::int32_t>(i));
     marches_.push_back(march_of(object, pass.number));
+  }
+  if (surface.seen()) {
+    spans_.push_back(surface.span(static_cast<std::uint32_t>(marches_.size())));
+    objects_.push_back(RayReach::kSurface);
+    marches_.push_back(std::make_unique<SurfaceHit>(surface));
   }
   sort_spans(spans_);
 }
@@ -105,7 +115,7 @@ RayReach SceneRay::reach(float opacity) const {
   PreviewPixel ignored;
   march(ignored, &reach);
   if (reach.object >= 0) {
-    reach.object = static_cast<std::int32_t>(objects_[static_cast<std::size_t>(reach.object)]);
+    reach.object = objects_[static_cast<std::size_t>(reach.object)];
   }
   return reach;
 }

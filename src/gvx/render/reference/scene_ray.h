@@ -48,7 +48,7 @@ class SceneRay {
 
   BundleRay ray_;
   std::vector<RaySpan> spans_;
-  std::vector<std::uint32_t> objects_;  // of the pass, of each march
+  std::vector<std::int32_t> objects_;  // of each march, as RayReach has them
   std::vector<std::unique_ptr<ObjectMarch>> marches_;
 };
 

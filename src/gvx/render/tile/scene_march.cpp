@@ -25,6 +25,15 @@ class TilesOfPass {
   const ObjectTiles* tiles_;
 };
 
+FilmRect film_rect_of(const exec::TileGrid& grid, std::uint32_t tile) {
+  const TilePart part(grid, tile);
+  const auto last = [](std::uint32_t first, std::uint32_t count) {
+    return static_cast<std::int32_t>(first + count) - 1;
+  };
+  return {static_cast<std::int32_t>(part.x0), last(part.x0, part.width), static_cast<std::int32_t>(part.y0),
+          last(part.y0, part.height)};
+}
+
 /// A tile's exact rays: taken from a film, and put back.
 class ExactTile {
  public:
@@ -87,6 +96,11 @@ bool scene_march(const exec::Device& cpu, const ExactMarch& march) {
   exec::parallel_for(cpu, march.tiles.size, [&](std::size_t t) {
     const std::uint32_t tile = march.tiles[t];
     if (!turns.all_taken() || pass.blank_tiles[tile] == pass.epoch) return;
+    if ((*objects).objects_in(film_rect_of(march.grid, tile)).empty()) {
+      pass.blank_tiles[tile] = pass.epoch;
+      exec::store_relaxed(&march.unfinished[tile], 0);
+      return;
+    }
     ExactTile rays(march, tile);
     if (rays.all_finished()) return;
     exec::store_relaxed(&march.unfinished[tile], 1);

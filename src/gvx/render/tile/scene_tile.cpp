@@ -42,6 +42,12 @@ SceneTile::SceneTile(const Pass& pass, const ObjectTiles& objects, const RaysOfT
     objects_.push_back({&pass.objects[index], rect, many && !pass.one_ray_at_a_time, projects});
     projecting_ += projects ? 1 : 0;
   }
+  if (!pass.surfaces.empty()) {
+    auto surface = std::make_unique<SurfaceHit>();
+    surface_ = surface.get();
+    marches_.push_back(std::move(surface));
+    objects_.push_back({nullptr, tile, false, false});
+  }
   put_spans(marching);
   by_distance_.resize(objects_.size());
   std::iota(by_distance_.begin(), by_distance_.end(), 0u);
@@ -57,14 +63,21 @@ void SceneTile::put_spans(const ActiveRays& marching) {
     if (!marching.has(ray)) continue;
     const double x = x_of(ray), y = y_of(ray);
     const BundleRay of_film = ray_of(ray);
+    if (surface_ != nullptr) put_surface(ray);
     for (std::uint32_t i = 0; i < objects_.size(); ++i) {
       Object& object = objects_[i];
+      if (object.view == nullptr) {
+        if (surface_->seen()) spans_.push_back(surface_->span(i));
+        continue;
+      }
       if (!(x >= object.rect.x0 && x <= object.rect.x1 && y >= object.rect.y0 && y <= object.rect.y1))
         continue;
       const ObjectRay through(object.view->frame, of_film);
       if (through.inside.empty()) continue;
-      spans_.emplace_back(object.view->frame, through, i);
-      object.nearest = std::min(object.nearest, spans_.back().enter);
+      const RaySpan span(object.view->frame, through, i);
+      if (surface_ != nullptr && span.enter >= surface_->distance()) continue;
+      spans_.push_back(span);
+      object.nearest = std::min(object.nearest, span.enter);
     }
     sort_spans(std::span(spans_).subspan(first_[ray]));
   }
@@ -105,6 +118,7 @@ void SceneTile::go_on(std::uint32_t ray) {
       return object.waiting.set(ray);
     }
     if (has_late_ray()) return;
+    if (surface_ != nullptr) put_surface(ray);
     RayThroughObjects through{ray_of(ray), spans, marches_};
     put_projection(ray, through);
     PreviewPixel* const pixel = pixels_ != nullptr ? &pixels_[ray] : nullptr;

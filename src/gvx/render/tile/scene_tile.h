@@ -13,6 +13,7 @@
 
 #include "gvx/exec/tile_grid.h"
 #include "gvx/render/reference/scene_ray.h"
+#include "gvx/render/reference/surface_hit.h"
 #include "gvx/render/tile/object_tiles.h"
 #include "gvx/render/tile/tile_march.h"
 #include "gvx/render/tile/tile_rays.h"
@@ -31,7 +32,7 @@ class SceneTile {
  private:
   /// An object on the film.
   struct Object {
-    const ObjectView* view;
+    const ObjectView* view;  // null: the surfaces
     FilmRect rect;
     bool in_vectors;  // as far as it is by itself
     bool projects;
@@ -40,6 +41,7 @@ class SceneTile {
   };
 
   void put_spans(const ActiveRays& marching);
+  void put_surface(std::uint32_t ray) { surface_->set(pass_.film, pass_.surfaces, x_of(ray), y_of(ray)); }
   double x_of(std::uint32_t ray) const { return rays_.x0 + rays_.apart * double(ray % TileRays::kEdge); }
   double y_of(std::uint32_t ray) const {
     const std::uint32_t row = ray / TileRays::kEdge;
@@ -56,6 +58,7 @@ class SceneTile {
   const RaysOfTile rays_;
   std::vector<Object> objects_;
   std::vector<std::unique_ptr<ObjectMarch>> marches_;  // of objects_
+  SurfaceHit* surface_ = nullptr;                      // of marches_, the last; null: there are none
   std::vector<std::uint32_t> by_distance_;             // objects_, the nearest first
   ActiveRays marching_;
   std::vector<RaySpan> spans_;        // of all rays

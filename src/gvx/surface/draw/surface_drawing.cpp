@@ -228,7 +228,7 @@ void SurfaceDrawing::draw_tile(std::uint32_t tile, std::span<const std::uint32_t
 Vec3f SurfaceDrawing::overlay_color(const CutBrick& brick, const SurfaceBrickView& samples,
                                     std::uint32_t item) const {
   constexpr Vec3f kRed(0.85f, 0.25f, 0.2f), kGreen(0.3f, 0.7f, 0.3f), kBlue(0.25f, 0.45f, 0.85f);
-  if (view_.overlay == SurfaceView::Overlay::technique) {
+  if (view_.overlay == Overlay::technique) {
     return brick.technique == Technique::rasterise ? kRed : brick.technique == Technique::cast ? kGreen : kBlue;
   }
   // As in figure 7 of Reichl and others: one sample, one span of several, several spans.
@@ -295,7 +295,7 @@ std::vector<LackingElement> SurfaceDrawing::shade() {
           brick.technique == Technique::rasterise
               ? point_of_triangle(of_brick.triangles, of_brick.placed, ray, film.orthographic, pixel.item)
               : point_of_sample(of_brick.samples, of_brick.placed, ray, unpacked(pixel.item));
-      if (view_.overlay != SurfaceView::Overlay::none)
+      if (view_.overlay != Overlay::none)
         point.color = overlay_color(brick, of_brick.samples, pixel.item);
       pixel.place = static_cast<float>(point.depth);
       pixel.color = lights_[brick.instance].shade(point.normal, point.color, x, double(y), point.depth);

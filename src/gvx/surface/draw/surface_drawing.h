@@ -17,7 +17,8 @@
 #include "gvx/scene/camera.h"
 #include "gvx/scene/lighting.h"
 #include "gvx/surface/draw/surface_cut.h"
-#include "gvx/surface/draw/surface_film.h"
+#include "gvx/surface/draw/surface_film_view.h"
+#include "gvx/surface/draw/surface_overlay.h"
 #include "gvx/surface/draw/surface_shading.h"
 
 namespace gvx::surface {
@@ -30,8 +31,7 @@ struct SurfaceView {
   double widest_cell = kWidestCell;  ///< in pixels
   /// One ray at a time, one triangle at a time: slower. It defines what a picture is.
   bool plain = false;
-  /// Colours say by which technique a pixel was drawn, or how many samples its column has.
-  enum class Overlay : std::uint8_t { none, technique, samples } overlay = Overlay::none;
+  Overlay overlay = Overlay::none;
 };
 
 /// How much was drawn.
@@ -40,6 +40,8 @@ struct SurfaceCounts {
   std::uint64_t hidden = 0;          ///< bricks that were not drawn, as something else is before them
   std::uint64_t triangles = 0, samples = 0;  ///< of the bricks that were drawn
   std::uint64_t bytes = 0;           ///< of their pieces
+
+  std::uint64_t drawn() const { return bricks[0] + bricks[1] + bricks[2]; }
 };
 
 class SurfaceDrawing {

@@ -11,6 +11,7 @@
 
 #include "gvx/surface/cell_set.h"
 #include "gvx/surface/draw/placed_brick.h"
+#include "gvx/surface/draw/surface_film_view.h"
 
 namespace gvx::surface {
 
@@ -25,7 +26,7 @@ GVX_HD constexpr Cell unpacked(std::uint32_t item) {
 
 struct TileHits {
   static constexpr std::int32_t kEdge = 64;
-  static constexpr std::uint32_t kNothing = UINT32_MAX;
+  static constexpr std::uint32_t kNothing = SurfacePixel::kNothing;
 
   PixelRect rect;                       ///< of the film
   const std::uint64_t* keys = nullptr;  ///< of each brick: in which order they win where depths are equal
