@@ -4,7 +4,7 @@
 # A room is a folder of src/gvx, a namespace and a library. MAY_INCLUDE is the house's include table: the build
 # links these rooms and no others, and tools/check_includes.py compares every #include with it.
 # DEVICE_SOURCES launch kernels: CUDA where CUDA is enabled, C++ where it is not.
-# VECTOR_SOURCES are compiled once for each instruction set (GvxVectors.cmake), into a library gvx_vectors.
+# VECTOR_SOURCES are compiled once for each instruction set (GvxVectors.cmake), into a library of their own.
 # TESTS are compiled into the one unit-test program; DEVICE_TESTS launch kernels themselves.
 function(gvx_room NAME)
   cmake_parse_arguments(ROOM "" "" "MAY_INCLUDE;SOURCES;DEVICE_SOURCES;VECTOR_SOURCES;TESTS;DEVICE_TESTS;LIBRARIES" ${ARGN})
@@ -40,23 +40,30 @@ function(gvx_room NAME)
   set_property(GLOBAL APPEND PROPERTY GVX_ROOMS ${NAME})
 endfunction()
 
-# The vectors of a room, which is linked with them: its own library, so that builds may share it.
+# The vectors of a room, which is linked with them: a library of their own, gvx_ROOM_vectors or, for those of the
+# march, gvx_vectors. Builds may share the latter, as compiling them takes the longest.
 function(gvx_vectors ROOM LIBRARIES)
-  if(GVX_VECTORS_LIBRARY)
-    target_link_libraries(${ROOM} PRIVATE $<BUILD_INTERFACE:${GVX_VECTORS_LIBRARY}>)
-    return()
+  if(ROOM STREQUAL "gvx_render")
+    set(name vectors)
+    if(GVX_VECTORS_LIBRARY)
+      target_link_libraries(${ROOM} PRIVATE $<BUILD_INTERFACE:${GVX_VECTORS_LIBRARY}>)
+      return()
+    endif()
+  else()
+    string(REPLACE gvx_ "" name ${ROOM}_vectors)
   endif()
-  add_library(gvx_vectors STATIC ${ARGN})
-  target_compile_options(gvx_vectors PRIVATE ${GVX_CXX_FLAGS} ${GVX_VECTOR_FLAGS})
+  set(target gvx_${name})
+  add_library(${target} STATIC ${ARGN})
+  target_compile_options(${target} PRIVATE ${GVX_CXX_FLAGS} ${GVX_VECTOR_FLAGS})
   if(GVX_SANITIZE STREQUAL "thread")
     # They share nothing between threads, and an instrumented loop takes minutes to compile.
-    target_compile_options(gvx_vectors PRIVATE -fno-sanitize=thread)
+    target_compile_options(${target} PRIVATE -fno-sanitize=thread)
   endif()
-  target_include_directories(gvx_vectors PRIVATE ${PROJECT_SOURCE_DIR}/src)
-  set_target_properties(gvx_vectors PROPERTIES POSITION_INDEPENDENT_CODE ON EXPORT_NAME vectors)
-  target_link_libraries(gvx_vectors PUBLIC ${LIBRARIES})
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON EXPORT_NAME ${name})
+  target_link_libraries(${target} PUBLIC ${LIBRARIES})
   # They call back: a room and its vectors are one.
-  target_link_libraries(${ROOM} PUBLIC gvx_vectors)
-  target_link_libraries(gvx_vectors PUBLIC ${ROOM})
-  set_property(GLOBAL APPEND PROPERTY GVX_ROOMS vectors)
+  target_link_libraries(${ROOM} PUBLIC ${target})
+  target_link_libraries(${target} PUBLIC ${ROOM})
+  set_property(GLOBAL APPEND PROPERTY GVX_ROOMS ${name})
 endfunction()

@@ -40,6 +40,12 @@ SeenSurfaces::SeenSurfaces(const exec::Device& cpu, const render::View& view, co
                            const World& world)
     : drawing_(cpu, surface_view(view, film), instances_of(world, film, surfaces_)) {}
 
+void SeenSurfaces::see(const render::View& view, const render::FilmView& film, const World& world) {
+  surfaces_.clear();
+  const auto instances = instances_of(world, film, surfaces_);
+  drawing_.see(surface_view(view, film), instances);
+}
+
 std::vector<Cache::SurfaceElement> SeenSurfaces::elements_of(
     const std::vector<surface::LackingElement>& lacking) const {
   std::vector<Cache::SurfaceElement> elements;

@@ -20,6 +20,9 @@ class SeenSurfaces {
   SeenSurfaces(const exec::Device& cpu, const render::View& view, const render::FilmView& film,
                const World& world);
 
+  /// Another view of a world, in the same memory where the film is of the same size.
+  void see(const render::View& view, const render::FilmView& film, const World& world);
+
   // For the viewer that has the cache's turn:
 
   /// Draws what came, as SurfaceDrawing::advance(); returns what it lacks.

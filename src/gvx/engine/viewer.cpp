@@ -91,10 +91,15 @@ Status Viewer::look(const render::View& view, std::shared_ptr<const World> world
 
 /// Those of this view are to be drawn anew.
 void Viewer::see_surfaces() {
-  surfaces_.reset();
   lacking_of_surfaces_.clear();
   const bool some = !world().surfaces().empty();
-  if (some) surfaces_.emplace(host(), *view_, frames_->film(), world());
+  if (!some) {
+    surfaces_.reset();
+  } else if (surfaces_) {
+    surfaces_->see(*view_, frames_->film(), world());
+  } else {
+    surfaces_.emplace(host(), *view_, frames_->film(), world());
+  }
   film_->show_surfaces(some ? surfaces_->film() : surface::SurfaceFilmView{}, !has_volumes());
 }
 

@@ -97,7 +97,7 @@ Film::Seen Film::seen(std::uint32_t x, std::uint32_t y) const {
 
 Film::Seen Film::seen_of_surfaces(std::uint32_t x, std::uint32_t y) const {
   if (surfaces_.empty()) return {};
-  const surface::SurfacePixel& pixel = surfaces_.at(x, y);
+  const surface::SurfacePixel pixel = surfaces_.at(x, y);
   return pixel.shaded() ? Seen{pixel.color, 1} : Seen{};
 }
 

@@ -18,7 +18,7 @@ class SurfaceHit final : public ObjectMarch {
  public:
   /// What ray (x, y) of a film sees of surfaces.
   void set(const FilmView& film, const surface::SurfaceFilmView& surfaces, double x, double y) {
-    const surface::SurfacePixel& pixel =
+    const surface::SurfacePixel pixel =
         surfaces.at(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
     distance_ = FrameView::kNever;
     if (!pixel.seen()) return;

@@ -13,9 +13,9 @@ namespace gvx::surface {
 
 /// Nanoseconds, as measured with vectors of 16 lanes (docs/measurements).
 struct TechniqueCosts {
-  float triangle = 12, triangle_pixel = 15;  ///< of each, and of each pixel that it covers
-  float sample = 10;                         ///< splatted
-  float cast_pixel = 30;                     ///< of each pixel of the brick's rectangle
+  float triangle = 60, triangle_pixel = 40;  ///< of each, and of each pixel that it covers
+  float sample = 100;                        ///< splatted, one after the other
+  float cast_pixel = 35;                     ///< of each pixel of the brick's rectangle
   float steep = 1;  ///< by what share a cast takes longer where rays run along the grid, not across it
 };
 

@@ -49,6 +49,10 @@ CutBrick SurfaceCut::brick(const Place& at, const SurfaceNode& node, const Place
   const Vec3d way = normalize(placed.vector(camera_.film.ray(x, y).direction));
   measures.along_grid = 1 - std::fabs(way[node.axis()]);
   brick.technique = choose_technique(measures);
+  if (camera_.only) {
+    const bool can = *camera_.only == Technique::rasterise ? measures.has_triangles : measures.has_samples;
+    if (can) brick.technique = *camera_.only;
+  }
   return brick;
 }
 

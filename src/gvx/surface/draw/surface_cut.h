@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -67,6 +68,7 @@ struct SurfaceCamera {
   FilmPlane film;
   Affine3 world_to_camera;
   double widest_cell = kWidestCell;  ///< in pixels; 0: the finest everywhere
+  std::optional<Technique> only = {};  ///< where a brick can be drawn so; for tests and benches
 
   /// From cells of a level of an instance to camera space.
   Affine3 cells_to_camera(const SurfaceInstance& instance, std::uint32_t level) const {

@@ -9,13 +9,14 @@
 #include <utility>
 
 #include "gvx/exec/parallel.h"
+#include "gvx/surface/draw/technique_vectors.h"
 #include "gvx/surface/surface_pieces.h"
 
 namespace gvx::surface {
 namespace {
 
 SurfaceCamera camera_of(const SurfaceView& view) {
-  return {FilmPlane(view.camera, view.width, view.height), world_to_camera(view.camera), view.widest_cell};
+  return {FilmPlane(view.camera, view.width, view.height), world_to_camera(view.camera), view.widest_cell, view.only};
 }
 
 /// Elements that are asked for at a time: what comes hides what is behind it, which need not come then.
@@ -31,23 +32,40 @@ struct SurfaceDrawing::Drawn {
 
 SurfaceDrawing::SurfaceDrawing(const exec::Device& cpu, const SurfaceView& view,
                                std::span<const SurfaceInstance> instances)
-    : cpu_(cpu),
-      view_(view),
-      grid_{view.width, view.height, TileHits::kEdge},
-      instances_(instances.begin(), instances.end()),
-      cut_(camera_of(view), instances_) {
+    : cpu_(cpu), cut_(camera_of(view), instances) {
+  see(view, instances);
+}
+
+void SurfaceDrawing::see(const SurfaceView& view, std::span<const SurfaceInstance> instances) {
+  view_ = view;
+  grid_ = {view.width, view.height, TileHits::kEdge};
+  instances_.assign(instances.begin(), instances.end());
+  cut_ = SurfaceCut(camera_of(view), instances);
+  lights_.clear();
+  normals_.clear();
   for (const SurfaceInstance& instance : instances_) {
     lights_.emplace_back(view.lighting, view.camera, instance.cells_to_world);
+    normals_.emplace_back(cut_.camera().world_to_camera * instance.cells_to_world);
   }
   clear();
 }
 
 void SurfaceDrawing::clear() {
-  pixels_.assign(std::size_t{view_.width} * view_.height, {});
+  pixels_.resize(std::size_t{view_.width} * view_.height);
+  tiles_.assign(grid_.tiles(), 0);
   blocks_x_ = (view_.width + kBlock - 1) / kBlock;
   const std::uint32_t blocks_y = (view_.height + kBlock - 1) / kBlock;
   farthest_.assign(std::size_t{blocks_x_} * blocks_y, std::numeric_limits<float>::infinity());
   counts_ = {};
+  complete_ = false;
+}
+
+PixelRect SurfaceDrawing::rect_of(std::uint32_t tile) const {
+  constexpr std::int32_t kEdge = TileHits::kEdge;
+  const auto x0 = static_cast<std::int32_t>(tile % grid_.tiles_x()) * kEdge,
+             y0 = static_cast<std::int32_t>(tile / grid_.tiles_x()) * kEdge;
+  const auto width = static_cast<std::int32_t>(view_.width), height = static_cast<std::int32_t>(view_.height);
+  return PixelRect{x0, y0, x0 + kEdge, y0 + kEdge} & PixelRect{0, 0, width, height};
 }
 
 bool SurfaceDrawing::hidden(const PixelRect& rect, double nearest) const {
@@ -61,19 +79,20 @@ bool SurfaceDrawing::hidden(const PixelRect& rect, double nearest) const {
   return true;
 }
 
-void SurfaceDrawing::find_farthest() {
-  const std::size_t blocks_y = farthest_.size() / std::max(blocks_x_, 1u);
-  exec::parallel_for(cpu_, blocks_y, [&](std::size_t block_y) {
-    for (std::uint32_t block_x = 0; block_x < blocks_x_; ++block_x) {
+/// Of the blocks of a tile.
+void SurfaceDrawing::find_farthest(const PixelRect& tile) {
+  constexpr auto kEdge = static_cast<std::int32_t>(kBlock);
+  for (std::int32_t y0 = tile.y0; y0 < tile.y1; y0 += kEdge) {
+    for (std::int32_t x0 = tile.x0; x0 < tile.x1; x0 += kEdge) {
       float most = 0;
-      const std::uint32_t y0 = static_cast<std::uint32_t>(block_y) * kBlock, x0 = block_x * kBlock;
-      for (std::uint32_t y = y0; y < std::min(y0 + kBlock, view_.height); ++y) {
-        const SurfacePixel* row = &pixels_[std::size_t{y} * view_.width];
-        for (std::uint32_t x = x0; x < std::min(x0 + kBlock, view_.width); ++x) most = std::max(most, row[x].depth);
-      }
-      farthest_[block_y * blocks_x_ + block_x] = most;
+      const PixelRect block = PixelRect{x0, y0, x0 + kEdge, y0 + kEdge} & tile;
+      for_rows(block, [&](const SurfacePixel* row, std::int32_t) {
+        for (std::int32_t x = block.x0; x < block.x1; ++x) most = std::max(most, row[x].depth);
+      });
+      const auto of_block = [](std::int32_t pixel) { return static_cast<std::size_t>(pixel) / kBlock; };
+      farthest_[of_block(y0) * blocks_x_ + of_block(x0)] = most;
     }
-  });
+  }
 }
 
 std::vector<LackingElement> SurfaceDrawing::advance() {
@@ -107,8 +126,10 @@ std::vector<LackingElement> SurfaceDrawing::advance() {
     ready.push_back(drawn);
   }
   draw(ready);
+  // What is hidden in the end needs no colours: they are asked for when all is drawn.
+  std::vector<LackingElement> colorless = shade();
   if (all_drawn) {
-    lacking = shade();
+    lacking = std::move(colorless);
     complete_ = lacking.empty();
   }
   std::stable_sort(lacking.begin(), lacking.end(), [](const LackingElement& a, const LackingElement& b) {
@@ -172,32 +193,36 @@ void SurfaceDrawing::draw(std::vector<Drawn>& bricks) {
       }
     }
   }
+  // What colours are there is shaded at once.
+  std::vector<SeenBrick> seen(cut.size());
+  std::vector<LackingElement> ignored;
+  for (const Drawn& drawn : bricks) seen[drawn.number] = look_up(cut[drawn.number], ignored);
+  const RowShading rows = row_shading(seen);
   exec::parallel_for(cpu_, of_tiles.size(), [&](std::size_t tile) {
-    if (!of_tiles[tile].empty()) draw_tile(static_cast<std::uint32_t>(tile), of_tiles[tile], bricks);
+    if (of_tiles[tile].empty()) return;
+    const PixelRect rect = rect_of(static_cast<std::uint32_t>(tile));
+    draw_tile(rect, tiles_[tile] == kBlank, of_tiles[tile], bricks);
+    find_farthest(rect);
+    tiles_[tile] = shade_tile(rows, rect) ? kUnshaded : kShaded;
   });
-  find_farthest();
 }
 
-void SurfaceDrawing::draw_tile(std::uint32_t tile, std::span<const std::uint32_t> of_tile,
+void SurfaceDrawing::draw_tile(const PixelRect& rect, bool blank, std::span<const std::uint32_t> of_tile,
                                const std::vector<Drawn>& bricks) {
   static thread_local TileHits hits;
-  constexpr std::int32_t kEdge = TileHits::kEdge;
-  const auto x0 = static_cast<std::int32_t>(tile % grid_.tiles_x()) * kEdge,
-             y0 = static_cast<std::int32_t>(tile / grid_.tiles_x()) * kEdge;
-  const PixelRect rect = PixelRect{x0, y0, x0 + kEdge, y0 + kEdge} &
-                         PixelRect{0, 0, static_cast<std::int32_t>(view_.width), static_cast<std::int32_t>(view_.height)};
   hits.clear(rect, orders_.data());
   const auto for_pixels = [&](auto function) {
-    for (std::int32_t y = rect.y0; y < rect.y1; ++y) {
-      SurfacePixel* row = &pixels_[static_cast<std::size_t>(y) * view_.width];
+    for_rows(rect, [&](SurfacePixel* row, std::int32_t y) {
       for (std::int32_t x = rect.x0; x < rect.x1; ++x) function(row[x], hits.index(x, y));
-    }
+    });
   };
-  for_pixels([&](const SurfacePixel& pixel, std::size_t at) {
-    hits.depth[at] = pixel.depth;
-    hits.brick[at] = pixel.brick;
-    hits.item[at] = pixel.item;
-  });
+  if (!blank) {
+    for_pixels([&](const SurfacePixel& pixel, std::size_t at) {
+      hits.depth[at] = pixel.depth;
+      hits.brick[at] = pixel.brick;
+      hits.item[at] = pixel.item;
+    });
+  }
   const FilmPlane& film = cut_.camera().film;
   for (const std::uint32_t i : of_tile) {
     const Drawn& drawn = bricks[i];
@@ -207,100 +232,141 @@ void SurfaceDrawing::draw_tile(std::uint32_t tile, std::span<const std::uint32_t
     if (brick.technique == Technique::rasterise) {
       const TriangleListView triangles =
           triangle_view(brick.node, drawn.pieces[static_cast<int>(Piece::triangles)]);
-      rasterise({film, drawn.placed, triangles, drawn.number, rect}, hits);
+      const DrawnTriangles what{film, drawn.placed, triangles, drawn.number, rect};
+      if (view_.plain) {
+        rasterise(what, hits);
+      } else {
+        rasterise_in_vectors(what, hits);
+      }
       continue;
     }
     const SurfaceBrickView samples =
         brick_view(brick.node, drawn.pieces[static_cast<int>(Piece::geometry)], nullptr);
-    const DrawnSamples what{film, drawn.placed, samples, drawn.number, part};
+    const DrawnSamples what{film, drawn.placed, samples, drawn.number, part, brick.seen.nearest,
+                            {Vec3d(brick.node.low[0], brick.node.low[1], brick.node.low[2]),
+                             Vec3d(brick.node.high[0] + 1, brick.node.high[1] + 1, brick.node.high[2] + 1)}};
     if (brick.technique == Technique::splat) {
       splat_samples(what, hits);
-    } else {
+    } else if (view_.plain) {
       cast_samples(what, hits);
+    } else {
+      cast_samples_in_vectors(what, hits);
     }
   }
   for_pixels([&](SurfacePixel& pixel, std::size_t at) {
-    if (pixel.brick == hits.brick[at] && pixel.item == hits.item[at]) return;
+    if (!blank && pixel.brick == hits.brick[at] && pixel.item == hits.item[at]) return;
     pixel = {hits.depth[at], hits.brick[at], hits.item[at], INFINITY, {}, -1};
   });
 }
 
-Vec3f SurfaceDrawing::overlay_color(const CutBrick& brick, const SurfaceBrickView& samples,
-                                    std::uint32_t item) const {
-  constexpr Vec3f kRed(0.85f, 0.25f, 0.2f), kGreen(0.3f, 0.7f, 0.3f), kBlue(0.25f, 0.45f, 0.85f);
-  if (view_.overlay == Overlay::technique) {
-    return brick.technique == Technique::rasterise ? kRed : brick.technique == Technique::cast ? kGreen : kBlue;
+/// A brick that is seen, with the pieces that this takes; what is not there is appended to `lacking`.
+SeenBrick SurfaceDrawing::look_up(const CutBrick& brick, std::vector<LackingElement>& lacking) const {
+  SeenBrick seen;
+  seen.there = true;
+  seen.technique = brick.technique;
+  seen.by_triangles = brick.technique == Technique::rasterise;
+  seen.instance = brick.instance;
+  seen.object = instances_[brick.instance].object;
+  const std::byte* pieces[kPieces] = {};
+  for (int p = 0; p < kPieces; ++p) {
+    const auto piece = static_cast<Piece>(p);
+    if (!needs(brick.technique, piece)) continue;
+    pieces[p] = instances_[brick.instance].surface->piece(brick.level, brick.place, piece);
+    if (pieces[p] != nullptr) continue;
+    seen.there = false;
+    lacking.push_back({brick.instance, brick.level, brick.place, false, piece, piece_bytes(brick.node, piece),
+                       brick.seen.nearest});
   }
-  // As in figure 7 of Reichl and others: one sample, one span of several, several spans.
-  if (brick.technique == Technique::rasterise) return Vec3f(0.6f);
-  const Cell cell = GridAxes(brick.node.axis()).to_grid(unpacked(item));
-  const std::uint32_t column = samples.grid.column(cell.x, cell.y), low = column & (~column + 1);
-  if (bits_in(column) == 1) return kGreen;
-  const bool one_span = (column & (column + low)) == 0;
-  return one_span ? kBlue : kRed;
+  if (!seen.there) return seen;
+  seen.placed = cut_.camera().place(instances_[brick.instance], brick.level, brick.key);
+  seen.corner = Vec3f(seen.placed.to_camera.origin);
+  for (int axis = 0; axis < 3; ++axis) seen.cell[axis] = Vec3f(seen.placed.to_camera.column[axis]);
+  if (seen.by_triangles) {
+    seen.triangles = triangle_view(brick.node, pieces[static_cast<int>(Piece::triangles)]);
+  } else {
+    seen.samples = brick_view(brick.node, pieces[static_cast<int>(Piece::geometry)],
+                              pieces[static_cast<int>(Piece::attributes)]);
+  }
+  return seen;
+}
+
+RowShading SurfaceDrawing::row_shading(std::span<const SeenBrick> seen) const {
+  RowShading rows;
+  rows.film = cut_.camera().film;
+  rows.lighting = view_.lighting.lighting;
+  rows.bricks = seen;
+  rows.normals = normals_;
+  rows.overlay = view_.overlay;
+  const Affine3& to_camera = cut_.camera().world_to_camera;
+  for (int i = 0; i < rows.lighting.lights; ++i) {
+    const Vec3d place = view_.lighting.place[i];
+    const bool near = rows.lighting.light[i].kind == scene::LightKind::point;
+    rows.light[i] = Vec3f(near ? to_camera.point(place) : to_camera.vector(place));
+  }
+  return rows;
+}
+
+/// shade_row() for one pixel after the other, in doubles: what it should find.
+void SurfaceDrawing::shade_row_plainly(const RowShading& rows, SurfacePixel* row, std::uint32_t y,
+                                       std::uint32_t x0, std::uint32_t x1) const {
+  for (std::uint32_t x = x0; x < x1; ++x) {
+    SurfacePixel& pixel = row[x];
+    if (!pixel.seen() || pixel.shaded() || !rows.bricks[pixel.brick].there) continue;
+    const SeenBrick& brick = rows.bricks[pixel.brick];
+    const Ray ray = rows.film.ray(x, y);
+    SurfacePoint point =
+        brick.by_triangles
+            ? point_of_triangle(brick.triangles, brick.placed, ray, rows.film.orthographic, pixel.item)
+            : point_of_sample(brick.samples, brick.placed, ray, unpacked(pixel.item));
+    if (rows.overlay != Overlay::none) point.color = overlay_color(rows.overlay, brick, pixel.item);
+    pixel.place = static_cast<float>(point.depth);
+    pixel.color = lights_[brick.instance].shade(point.normal, point.color, x, y, point.depth);
+    pixel.object = brick.object;
+  }
+}
+
+/// Shades what is there of a tile; returns whether something is left.
+bool SurfaceDrawing::shade_tile(const RowShading& rows, const PixelRect& rect) {
+  bool left = false;
+  const auto x0 = static_cast<std::uint32_t>(rect.x0), x1 = static_cast<std::uint32_t>(rect.x1);
+  for_rows(rect, [&](SurfacePixel* row, std::int32_t y) {
+    if (view_.plain) {
+      shade_row_plainly(rows, row, static_cast<std::uint32_t>(y), x0, x1);
+    } else {
+      shade_row(rows, row, static_cast<std::uint32_t>(y), x0, x1);
+    }
+    left = left || std::any_of(row + x0, row + x1, [](const SurfacePixel& p) { return p.seen() && !p.shaded(); });
+  });
+  return left;
 }
 
 /// Shades what is seen and not shaded; what that lacks is what is returned.
 std::vector<LackingElement> SurfaceDrawing::shade() {
-  const FilmPlane& film = cut_.camera().film;
   // Which bricks are seen is found first, as looking up what is in memory is for one thread.
   std::vector<std::uint8_t> wanted(cut_.bricks().size());
-  exec::parallel_for(cpu_, view_.height, [&](std::size_t y) {
-    const SurfacePixel* row = &pixels_[y * view_.width];
-    for (std::uint32_t x = 0; x < view_.width; ++x) {
-      if (row[x].seen() && !row[x].shaded()) std::atomic_ref(wanted[row[x].brick]).store(1, std::memory_order_relaxed);
-    }
-  });
-  struct Shaded {
-    PlacedBrick placed;
-    SurfaceBrickView samples;
-    TriangleListView triangles;
-    bool there = false;
+  const auto for_unshaded = [&](auto function) {
+    exec::parallel_for(cpu_, tiles_.size(), [&](std::size_t tile) {
+      if (tiles_[tile] == kUnshaded) function(tile, rect_of(static_cast<std::uint32_t>(tile)));
+    });
   };
-  std::vector<Shaded> shaded(wanted.size());
+  for_unshaded([&](std::size_t, const PixelRect& rect) {
+    for_rows(rect, [&](const SurfacePixel* row, std::int32_t) {
+      std::uint32_t last = SurfacePixel::kNothing;
+      for (std::int32_t x = rect.x0; x < rect.x1; ++x) {
+        if (row[x].brick == last || row[x].shaded() || !row[x].seen()) continue;
+        last = row[x].brick;
+        std::atomic_ref(wanted[last]).store(1, std::memory_order_relaxed);
+      }
+    });
+  });
+  std::vector<SeenBrick> seen(wanted.size());
   std::vector<LackingElement> lacking;
   for (std::uint32_t i = 0; i < wanted.size(); ++i) {
-    if (wanted[i] == 0) continue;
-    const CutBrick& brick = cut_.bricks()[i];
-    Shaded& of_brick = shaded[i];
-    of_brick.there = true;
-    const std::byte* pieces[kPieces] = {};
-    for (int p = 0; p < kPieces; ++p) {
-      const auto piece = static_cast<Piece>(p);
-      if (!needs(brick.technique, piece)) continue;
-      pieces[p] = instances_[brick.instance].surface->piece(brick.level, brick.place, piece);
-      if (pieces[p] != nullptr) continue;
-      of_brick.there = false;
-      lacking.push_back({brick.instance, brick.level, brick.place, false, piece, piece_bytes(brick.node, piece),
-                         brick.seen.nearest});
-    }
-    if (!of_brick.there) continue;
-    of_brick.placed = cut_.camera().place(instances_[brick.instance], brick.level, brick.key);
-    if (brick.technique == Technique::rasterise) {
-      of_brick.triangles = triangle_view(brick.node, pieces[static_cast<int>(Piece::triangles)]);
-    } else {
-      of_brick.samples = brick_view(brick.node, pieces[static_cast<int>(Piece::geometry)],
-                                    pieces[static_cast<int>(Piece::attributes)]);
-    }
+    if (wanted[i] != 0) seen[i] = look_up(cut_.bricks()[i], lacking);
   }
-  exec::parallel_for(cpu_, view_.height, [&](std::size_t y) {
-    SurfacePixel* row = &pixels_[y * view_.width];
-    for (std::uint32_t x = 0; x < view_.width; ++x) {
-      SurfacePixel& pixel = row[x];
-      if (!pixel.seen() || pixel.shaded() || !shaded[pixel.brick].there) continue;
-      const CutBrick& brick = cut_.bricks()[pixel.brick];
-      const Shaded& of_brick = shaded[pixel.brick];
-      const Ray ray = film.ray(x, double(y));
-      SurfacePoint point =
-          brick.technique == Technique::rasterise
-              ? point_of_triangle(of_brick.triangles, of_brick.placed, ray, film.orthographic, pixel.item)
-              : point_of_sample(of_brick.samples, of_brick.placed, ray, unpacked(pixel.item));
-      if (view_.overlay != Overlay::none)
-        point.color = overlay_color(brick, of_brick.samples, pixel.item);
-      pixel.place = static_cast<float>(point.depth);
-      pixel.color = lights_[brick.instance].shade(point.normal, point.color, x, double(y), point.depth);
-      pixel.object = instances_[brick.instance].object;
-    }
+  const RowShading rows = row_shading(seen);
+  for_unshaded([&](std::size_t tile, const PixelRect& rect) {
+    if (!shade_tile(rows, rect)) tiles_[tile] = kShaded;
   });
   return lacking;
 }

@@ -2,6 +2,7 @@
 /// SurfaceFilmView: what each ray of a film sees of opaque surfaces.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <cmath>
 
@@ -26,13 +27,19 @@ struct SurfacePixel {
 };
 static_assert(sizeof(SurfacePixel) == 32);
 
-/// For kernels: the rays of a film, row by row.
+/// For kernels: the rays of a film, row by row. Where nothing of a tile was drawn, its pixels say nothing.
 struct SurfaceFilmView {
+  static constexpr std::uint32_t kTile = 64;
+
   const SurfacePixel* pixels = nullptr;
+  const std::uint8_t* tiles = nullptr;  ///< not 0: drawn
   std::uint32_t width = 0, height = 0;
 
   GVX_HD bool empty() const { return pixels == nullptr; }
-  GVX_HD const SurfacePixel& at(std::uint32_t x, std::uint32_t y) const { return pixels[std::size_t(y) * width + x]; }
+  GVX_HD SurfacePixel at(std::uint32_t x, std::uint32_t y) const {
+    const std::uint32_t tile = y / kTile * ((width + kTile - 1) / kTile) + x / kTile;
+    return tiles[tile] != 0 ? pixels[std::size_t(y) * width + x] : SurfacePixel();
+  }
 };
 
 }  // namespace gvx::surface

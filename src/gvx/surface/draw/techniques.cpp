@@ -70,25 +70,29 @@ void splat_samples(const DrawnSamples& drawn, TileHits& hits) {
 }
 
 void rasterise(const DrawnTriangles& drawn, TileHits& hits) {
-  const FilmPlane& film = drawn.film;
   for (std::uint32_t triangle = 0; triangle < drawn.triangles.triangles; ++triangle) {
-    const SeenTriangle seen(drawn.placed, drawn.triangles, triangle);
-    const auto& corner = seen.corner;
-    PixelRect rect = drawn.part;
-    if (film.orthographic || std::min({corner[0].z, corner[1].z, corner[2].z}) > 0) {
-      Vec3d x, y;
-      for (int i = 0; i < 3; ++i) x[i] = film.x_of(corner[i]), y[i] = film.y_of(corner[i]);
-      constexpr double kMargin = 1e-6;  // for what is rounded
-      rect = around(min_component(x) - kMargin, max_component(x) + kMargin, min_component(y) - kMargin,
-                    max_component(y) + kMargin, drawn.part);
-    }
-    for (std::int32_t py = rect.y0; py < rect.y1; ++py) {
-      for (std::int32_t px = rect.x0; px < rect.x1; ++px) {
-        Vec3d weight;
-        double depth = 0;
-        if (!seen.meets(film.ray(px, py), film.orthographic, weight, depth)) continue;
-        hits.put(hits.index(px, py), static_cast<float>(depth), drawn.number, triangle);
-      }
+    rasterise_one(drawn, triangle, hits);
+  }
+}
+
+void rasterise_one(const DrawnTriangles& drawn, std::uint32_t triangle, TileHits& hits) {
+  const FilmPlane& film = drawn.film;
+  const SeenTriangle seen(drawn.placed, drawn.triangles, triangle);
+  const auto& corner = seen.corner;
+  PixelRect rect = drawn.part;
+  if (film.orthographic || std::min({corner[0].z, corner[1].z, corner[2].z}) > 0) {
+    Vec3d x, y;
+    for (int i = 0; i < 3; ++i) x[i] = film.x_of(corner[i]), y[i] = film.y_of(corner[i]);
+    constexpr double kMargin = 1e-6;  // for what is rounded
+    rect = around(min_component(x) - kMargin, max_component(x) + kMargin, min_component(y) - kMargin,
+                  max_component(y) + kMargin, drawn.part);
+  }
+  for (std::int32_t py = rect.y0; py < rect.y1; ++py) {
+    for (std::int32_t px = rect.x0; px < rect.x1; ++px) {
+      Vec3d weight;
+      double depth = 0;
+      if (!seen.meets(film.ray(px, py), film.orthographic, weight, depth)) continue;
+      hits.put(hits.index(px, py), static_cast<float>(depth), drawn.number, triangle);
     }
   }
 }

@@ -29,6 +29,8 @@ struct DrawnSamples {
   const SurfaceBrickView& brick;
   std::uint32_t number;  ///< of the brick
   PixelRect part;        ///< of the tile, that the brick may be seen in
+  double nearest = 0;    ///< the depth that the brick begins at, or less
+  Box3d box{{0, 0, 0}, Vec3d(double(kCells))};  ///< that its samples are in, in cells
 };
 struct DrawnTriangles {
   const FilmPlane& film;
@@ -42,6 +44,8 @@ void cast_samples(const DrawnSamples& drawn, TileHits& hits);
 void splat_samples(const DrawnSamples& drawn, TileHits& hits);
 /// `part` is the tile's: triangles reach beyond their brick.
 void rasterise(const DrawnTriangles& drawn, TileHits& hits);
+/// One of them.
+void rasterise_one(const DrawnTriangles& drawn, std::uint32_t triangle, TileHits& hits);
 
 /// A triangle in camera space, as rays see it (homogeneous edge functions: Olano and Greer 1997). An edge
 /// that two triangles share has opposite numbers in them, to the last bit: no ray passes between them.
@@ -59,7 +63,8 @@ struct SeenTriangle {
     volume = dot(corner[0], edge[0]);
   }
 
-  /// Does a film's ray meet it? If so, the weights of its corners there, which add up to 1, and the depth.
+  /// Does a film's ray meet it? The weights of its corners, which add up to 1, and the depth are those of its
+  /// plane in any case.
   bool meets(const Ray& ray, bool orthographic, Vec3d& weight, double& depth) const {
     for (int i = 0; i < 3; ++i) {
       if (orthographic) {
@@ -70,11 +75,10 @@ struct SeenTriangle {
       }
     }
     const bool inside = min_component(weight) >= 0 || max_component(weight) <= 0;
-    if (!inside) return false;
     const double sum = weight.x + weight.y + weight.z;
     weight = weight / sum;
     depth = orthographic ? dot(weight, Vec3d(corner[0].z, corner[1].z, corner[2].z)) : volume / sum;
-    return depth > 0 && depth < INFINITY;
+    return inside && depth > 0 && depth < INFINITY;
   }
 };
 

@@ -30,9 +30,12 @@ struct TileHits {
 
   PixelRect rect;                       ///< of the film
   const std::uint64_t* keys = nullptr;  ///< of each brick: in which order they win where depths are equal
-  float depth[kEdge * kEdge];
-  std::uint32_t brick[kEdge * kEdge];  ///< kNothing: none is seen
-  std::uint32_t item[kEdge * kEdge];   ///< of the brick: a packed cell, or the number of a triangle
+  /// Vectors that begin in the last row may end beyond it.
+  static constexpr std::int32_t kPixels = kEdge * kEdge + 64;
+
+  float depth[kPixels];
+  std::uint32_t brick[kPixels];  ///< kNothing: none is seen
+  std::uint32_t item[kPixels];   ///< of the brick: a packed cell, or the number of a triangle
 
   std::size_t index(std::int32_t x, std::int32_t y) const {
     return static_cast<std::size_t>((y - rect.y0) * kEdge + (x - rect.x0));
