@@ -13,7 +13,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 ROOMS = ROOT / "src" / "gvx"
 # What is above the rooms, and which rooms it may include.
-ABOVE = {"apps": {"open", "engine", "mesh", "produce", "render", "scene", "io", "store"},
+ABOVE = {"apps": {"open", "engine", "mesh", "produce", "render", "scene", "io", "store", "surface"},
          "python": {"open", "engine", "scene", "io"},
          "examples": {"open", "engine", "mesh", "produce", "render", "scene", "io", "store"}, "tests": None, "bench": None}
 KEYWORDS = {"SOURCES", "DEVICE_SOURCES", "TESTS", "DEVICE_TESTS", "LIBRARIES"}

@@ -58,7 +58,8 @@ class GridRay {
 
 /// The way of a ray through some columns, from distance `t` on.
 struct ColumnStep {
-  double end;     ///< the distance at which it leaves them
+  double end;     ///< the distance at which it leaves them, or ends
+  double leaves;  ///< the distance at which it leaves them
   bool along_u;   ///< for others beside them along u, else along v
   bool last;      ///< the ray ends within them
   int low, high;  ///< depths that it comes through
@@ -67,7 +68,7 @@ struct ColumnStep {
   GVX_HD ColumnStep(const GridRay& ray, int u, int v, int count, double t, double exit) {
     const double leaves_u = ray.leaves(0, u, count), leaves_v = ray.leaves(1, v, count);
     along_u = leaves_u < leaves_v;
-    end = along_u ? leaves_u : leaves_v;
+    end = leaves = along_u ? leaves_u : leaves_v;
     last = !(end < exit);
     if (last) end = exit;
     const int first = ray.cell_at(2, t), behind = ray.cell_at(2, end);
@@ -101,7 +102,8 @@ GVX_HD inline CastHit cast(const SurfaceBrickView& brick, const Ray& ray, const 
       found.hit = true;
       found.cell = axes.from_grid(Cell(u, v, w));
       found.enter = enters > t ? enters : t;
-      found.exit = leaves < step.end ? leaves : step.end;
+      // Where the cell ends, whatever ends the ray: so what is found does not depend on that.
+      found.exit = leaves < step.leaves ? leaves : step.leaves;
       if (found.exit < found.enter) found.exit = found.enter;
       found.rank = brick.grid.rank(u, v, w);
       return found;

@@ -186,7 +186,7 @@ class Caster {
     // A ray crosses at most so many columns; it may begin beside them by rounding.
     constexpr int kMostSteps = 2 * kCells + 4;
     for (int i = 0; i < kMostSteps; ++i) {
-      const Float until = hn::Min(hn::Min(to_next[0], to_next[1]), exit);
+      const Float leaves_column = hn::Min(to_next[0], to_next[1]), until = hn::Min(leaves_column, exit);
       const Float from_w = hn::MulAdd(s, way[2], place[2]), to_w = hn::MulAdd(until, way[2], place[2]);
       // A little more than it crosses: no cell may be missed for rounding.
       constexpr float kMargin = 1e-4f;
@@ -207,7 +207,8 @@ class Caster {
       found = hn::IfThenElse(hn::RebindMask(kWords, now), met, found);
       found_column = hn::IfThenElse(to_ints(now), safe, found_column);
       found_enter = hn::IfThenElse(now, s, found_enter);
-      found_exit = hn::IfThenElse(now, until, found_exit);
+      // Where the cell ends, whatever ends the ray: so what is found does not depend on that.
+      found_exit = hn::IfThenElse(now, leaves_column, found_exit);
       hit = hn::Or(hit, now);
       active = hn::And(hn::AndNot(some, active), hn::Lt(until, exit));
       if (hn::AllFalse(kFloats, active)) break;

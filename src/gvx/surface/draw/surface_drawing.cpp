@@ -182,9 +182,7 @@ void SurfaceDrawing::draw(std::vector<Drawn>& bricks) {
     ++counts_.bricks[static_cast<int>(brick.technique)];
     const bool triangles = brick.technique == Technique::rasterise;
     (triangles ? counts_.triangles : counts_.samples) += triangles ? brick.node.triangles : brick.node.samples;
-    for (int piece = 0; piece < kPieces; ++piece) {
-      if (bricks[i].pieces[piece] != nullptr) counts_.bytes += piece_bytes(brick.node, static_cast<Piece>(piece));
-    }
+    counts_.bytes += piece_bytes(brick.node, triangles ? Piece::triangles : Piece::geometry);
     const PixelRect& rect = brick.seen.rect;
     constexpr std::int32_t kEdge = TileHits::kEdge;
     for (std::int32_t y = rect.y0 / kEdge; y <= (rect.y1 - 1) / kEdge; ++y) {
@@ -317,7 +315,7 @@ void SurfaceDrawing::shade_row_plainly(const RowShading& rows, SurfacePixel* row
     SurfacePoint point =
         brick.by_triangles
             ? point_of_triangle(brick.triangles, brick.placed, ray, rows.film.orthographic, pixel.item)
-            : point_of_sample(brick.samples, brick.placed, ray, unpacked(pixel.item));
+            : point_of_sample(brick.samples, brick.placed, ray, unpacked(pixel.item), pixel.depth);
     if (rows.overlay != Overlay::none) point.color = overlay_color(rows.overlay, brick, pixel.item);
     pixel.place = static_cast<float>(point.depth);
     pixel.color = lights_[brick.instance].shade(point.normal, point.color, x, y, point.depth);

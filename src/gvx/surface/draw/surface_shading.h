@@ -49,23 +49,22 @@ struct SurfacePoint {
   double depth = 0;
 };
 
-/// Of a sample: where the ray meets the plane through the cell's middle, as far as that is within the cell.
+/// Of a sample that is seen at a depth: where the ray meets the plane through the cell's middle, as far as
+/// that is within half of what a cell takes up in depth.
 inline SurfacePoint point_of_sample(const SurfaceBrickView& brick, const PlacedBrick& placed, const Ray& of_film,
-                                    Cell cell) {
+                                    Cell cell, double depth) {
   const Cell grid = GridAxes(brick.axis).to_grid(cell);
   const SampleAttributes& attributes = brick.attributes[brick.grid.rank(grid.x, grid.y, grid.z)];
   SurfacePoint point{normal_of(attributes), color_of(attributes), 0};
   const Ray ray = placed.ray(of_film);
-  const Box3d box{Vec3d(cell), Vec3d(cell) + Vec3d(1)};
-  const RayInterval inside = intersect(ray, box, 0, 1e300);
   const Vec3d normal(point.normal);
   const double slope = dot(normal, ray.direction);
+  double reach = 0;
+  for (const Vec3d& column : placed.to_camera.column) reach += 0.5 * std::fabs(column.z);
+  point.depth = depth;
+  if (slope == 0) return point;
   const double meets = dot(normal, Vec3d(cell) + Vec3d(0.5) - ray.origin) / slope;
-  const bool within = slope != 0 && meets >= inside.enter && meets <= inside.exit;
-  point.depth = within                   ? meets
-                : meets < inside.enter   ? inside.enter
-                : meets > inside.exit    ? inside.exit
-                                         : 0.5 * (inside.enter + inside.exit);
+  point.depth = std::fmin(std::fmax(meets, depth - reach), depth + reach);
   return point;
 }
 
