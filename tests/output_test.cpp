@@ -225,7 +225,8 @@ TEST_F(Outputs, signals_leave_nothing_behind) {
                                   "render packed_1000x1000x600_uint8.raw.gz -o out/a.png",
                                   "build packed_1000x1000x600_uint8.raw.gz --type f32 -o out/b.gvx --force",
                                   "render big.obj --resolution 900 -o out/a.png",
-                                  "build big.obj --resolution 900 -o out/c.gvx --force"};
+                                  "build big.obj --resolution 900 -o out/c.gvx --force",
+                                  "build big.obj --memory 8M -o out/d.gvx --force"};
   const std::pair<const char*, int> signals[] = {{"INT", 2}, {"TERM", 15}, {"HUP", 1}};
   int ended = 0, at = 0;
   for (const std::string& command : commands) {

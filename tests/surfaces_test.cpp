@@ -26,7 +26,7 @@ std::shared_ptr<const produce::Producer> open_surface(const std::string& name, c
   const std::string path = testing::TempDir() + name + ".gvx";
   const auto spool = mesh::spooled(mesh);
   GVX_CHECK(mesh::build_surface_store(*spool, path, {}).ok());
-  return std::make_shared<surface::StoredSurface>(surface::SurfaceReader::open(path).value());
+  return surface::StoredSurface::open(path).value();
 }
 
 /// A ball with colours.
@@ -120,8 +120,8 @@ class Fog : public testing::Test {
   const double radius_ = 0.23;
 
   void SetUp() override {
-    const TestScene scene =
-        analytic_scene("surfaces_fog", [](Vec3d) { return 0.5; }, {24, 24, 24}, Vec3d(1.0 / 24), 2, 8);
+    const TestScene scene = analytic_scene(
+        "surfaces_fog", [](Vec3d) { return 0.5; }, {24, 24, 24}, Vec3d(1.0 / 24), 2, 8);
     fog_ = scene.open();
     mesh_ = mesh::sphere_mesh(centre_, radius_, 6);
     mesh_.colors.assign(mesh_.vertices.size(), {0.8f, 0.4f, 0.2f});
@@ -132,7 +132,8 @@ class Fog : public testing::Test {
   }
 
   std::shared_ptr<const World> world(Cache& cache) const {
-    return World::make({{cache.open(fog_).value(), {}, view_}, {nullptr, {}, {}, cache.open_surface(ball_).value()}})
+    return World::make(
+               {{cache.open(fog_).value(), {}, view_}, {nullptr, {}, {}, cache.open_surface(ball_).value()}})
         .value();
   }
 
@@ -147,7 +148,8 @@ class Fog : public testing::Test {
     if (std::fabs(aside - radius_) < edge) return std::nullopt;
     const bool hits = aside < radius_;
     const double at = along - std::sqrt(std::max(radius_ * radius_ - aside * aside, 0.0));
-    const double way = inside.empty() ? 0 : std::max((hits ? std::min(at, inside.exit) : inside.exit) - inside.enter, 0.0);
+    const double way =
+        inside.empty() ? 0 : std::max((hits ? std::min(at, inside.exit) : inside.exit) - inside.enter, 0.0);
     const auto through = static_cast<float>(std::pow(1 - kOpacity, way / kUnit));
     const Vec3f behind = hits ? Vec3f(0.8f, 0.4f, 0.2f) : view_.background;
     if (depth != nullptr) *depth = hits ? at * dot(ray.direction, camera.forward) : INFINITY;

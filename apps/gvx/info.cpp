@@ -225,7 +225,8 @@ void print_values(const nlohmann::json& j, const std::vector<io::ValueSummary>& 
 
 void print_surface(const nlohmann::json& j) {
   row("triangles", j["triangles"].dump());
-  row("tree", j["bricks"].dump() + " bricks in " + j["levels"].dump() + " levels, " + j["codec"].get<std::string>());
+  row("tree",
+      j["bricks"].dump() + " bricks in " + j["levels"].dump() + " levels, " + j["codec"].get<std::string>());
   row("cell", number(j["cell"]) + ", of the finest level");
   row("from", joined(j["minimum"], ", "));
   row("to", joined(j["maximum"], ", "));

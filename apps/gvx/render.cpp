@@ -37,7 +37,8 @@ namespace gvx::app {
 namespace {
 
 struct Options {
-  std::string scene, output, budget, frames, memory = "512M", device = "cpu", stats, save_scene, proxy, overlay = "none";
+  std::string scene, output, budget, frames, memory = "512M", device = "cpu", stats, save_scene, proxy,
+                                             overlay = "none";
   int threads = 0, budget_frames = 1;
   double zoom = 0;  // 0: an orbit
   bool exact = false, quiet = false;
@@ -405,7 +406,12 @@ Status render(const Options& o) {
   // A frame is done in parts, and those of a budget are few: only the share that is done says anything.
   const bool counts_rays = !frames && o.budget.empty();
   Progress progress("rendering", counts_rays ? Progress::Unit::rays : Progress::Unit::none, o.quiet);
-  const Studio studio{o,       device, viewer, look, alone && !tree.surface ? &tree : nullptr, viewer_options.proxy != nullptr,
+  const Studio studio{o,
+                      device,
+                      viewer,
+                      look,
+                      alone && !tree.surface ? &tree : nullptr,
+                      viewer_options.proxy != nullptr,
                       progress};
   GVX_ASSIGN(const engine::Statistics statistics,
              frames ? render_frames(studio, view, *frames, opened.path) : render_still(studio, view));
@@ -477,12 +483,13 @@ Command add_render(CLI::App& program) {
                    "visible")
       ->check(not_empty());
   command
-      ->add_option("--overlay", o->overlay,
-                   "What the colours of surfaces show. technique: what was rasterised (red), cast (green) and "
-                   "splatted (blue); samples: how many samples the column of a cell has, one (green), one span "
-                   "(blue), several (red)")
-      ->check(CLI::IsMember(std::vector<std::string>(std::begin(surface::kOverlayNames),
-                                                     std::end(surface::kOverlayNames))))
+      ->add_option(
+          "--overlay", o->overlay,
+          "What the colours of surfaces show. technique: what was rasterised (red), cast (green) and "
+          "splatted (blue); samples: how many samples the column of a cell has, one (green), one span "
+          "(blue), several (red)")
+      ->check(CLI::IsMember(
+          std::vector<std::string>(std::begin(surface::kOverlayNames), std::end(surface::kOverlayNames))))
       ->capture_default_str();
   command->add_option("--stats", o->stats, "Write statistics to this JSON file")->check(not_empty());
   command

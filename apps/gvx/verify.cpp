@@ -18,9 +18,8 @@ Status verify_surface_store(const std::string& path) {
   surface::SurfaceVerifyReport report;
   {
     Progress progress("verifying", Progress::Unit::nodes);
-    GVX_ASSIGN(report, surface::verify_surface(path, [&](std::uint64_t done, std::uint64_t all) {
-                 progress.show(done, all);
-               }));
+    GVX_ASSIGN(report, surface::verify_surface(
+                           path, [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all); }));
   }
   std::printf("%s: sound: a surface of %llu bricks, %llu samples and %llu triangles, %s read\n",
               one_line(path).c_str(), static_cast<unsigned long long>(report.nodes),

@@ -98,8 +98,9 @@ bool MemoryBudget::make_room(std::uint64_t wanted_bytes, Eviction eviction) {
     Surface* const surface = surface_with_oldest(eviction);
     Volume* const volume = with_oldest(nullptr, eviction);
     if (surface == nullptr && volume == nullptr) return false;
-    const bool of_volume = surface == nullptr || (volume != nullptr && volume->residency().brick_pass(0) <=
-                                                                           surface->residency().oldest_pass());
+    const bool of_volume =
+        surface == nullptr ||
+        (volume != nullptr && volume->residency().brick_pass(0) <= surface->residency().oldest_pass());
     if (!of_volume) {
       surface->residency().evict_oldest();
       continue;
@@ -129,9 +130,8 @@ void MemoryBudget::make_room(Volume& volume, std::size_t wanted, Eviction evicti
     if (Surface* const surface = surface_with_oldest(eviction);
         surface != nullptr &&
         (giver == nullptr || surface->residency().oldest_pass() < giver->residency().brick_pass(0))) {
-      const bool own_is_older =
-          own_may_go &&
-          residency.brick_pass(static_cast<std::uint32_t>(empty)) <= surface->residency().oldest_pass();
+      const bool own_is_older = own_may_go && residency.brick_pass(static_cast<std::uint32_t>(empty)) <=
+                                                  surface->residency().oldest_pass();
       if (own_is_older) return;
       surface->residency().evict_oldest();
       continue;

@@ -1,7 +1,8 @@
 /// \file
 /// MemoryBudget: shares a number of bytes out among several volumes and surfaces: for the nodes of volumes'
-/// trees, for what producers keep, for bricks, and for elements of surfaces. Each volume's pool of bricks could fill all of it; what a pool may
-/// not use now is withheld from it, and goes to where bricks are wanted.
+/// trees, for what producers keep, for bricks, and for elements of surfaces. Each volume's pool of bricks
+/// could fill all of it; what a pool may not use now is withheld from it, and goes to where bricks are
+/// wanted.
 #pragma once
 
 #include <algorithm>

@@ -10,8 +10,7 @@ surface::SurfaceView surface_view(const render::View& view, const render::FilmVi
   seen.camera = film.camera;
   seen.width = film.width;
   seen.height = film.height;
-  seen.lighting =
-      scene::place_lights(view.lighting, film.camera.forward, film.camera.right, film.camera.up);
+  seen.lighting = scene::place_lights(view.lighting, film.camera.forward, film.camera.right, film.camera.up);
   // Of volumes as many voxels are across a cone as `detail` says, and two by default.
   constexpr double kVoxels = 2;
   seen.widest_cell = view.level_of_detail ? surface::kWidestCell * kVoxels / view.detail : 0;
@@ -28,8 +27,8 @@ std::vector<surface::SurfaceInstance> instances_of(const World& world, const ren
     const tree::TreeDescription& tree = world.tree(object);
     const double cells = std::ldexp(double(tree.m), static_cast<int>(tree.max_level));
     surfaces.push_back(surface);
-    instances.push_back({&surface->residency(), tree.max_level + 1, tree.tree_to_world * scaling(Vec3d(1 / cells)),
-                         static_cast<std::int32_t>(object)});
+    instances.push_back({&surface->residency(), tree.max_level + 1,
+                         tree.tree_to_world * scaling(Vec3d(1 / cells)), static_cast<std::int32_t>(object)});
   }
   return instances;
 }

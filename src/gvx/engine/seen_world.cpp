@@ -18,8 +18,7 @@ Result<WorldFrames> WorldFrames::make(const exec::Device& device, const render::
   const std::span<const Object> objects = world.objects();
   for (std::size_t i = 0; i < objects.size(); ++i) {
     if (world.is_surface(i)) continue;
-    const bool only_one_left =
-        i + 1 == objects.size() && frames.frames_.empty() && world.surfaces().empty();
+    const bool only_one_left = i + 1 == objects.size() && frames.frames_.empty() && world.surfaces().empty();
     if (!only_one_left && world.out_of_sight(i, frames.film_.camera)) continue;
     const Volume* volume = objects[i].volume.get();
     const render::Frame* like = frames.like(volume, world.kind(i));

@@ -136,7 +136,8 @@ Status Viewer::look_coarsely() {
 
 /// Finds what the proxy leaves of this view's rays.
 void Viewer::cut_rays() {
-  const bool cuts = world().objects().size() == 1 && has_volumes() && !scene::projects(world().objects()[0].shown.mode);
+  const bool cuts =
+      world().objects().size() == 1 && has_volumes() && !scene::projects(world().objects()[0].shown.mode);
   const std::shared_ptr<const scene::Proxy>& proxy = options_.proxy;
   if (proxy == nullptr || !cuts) {
     spans_ = {};
@@ -484,7 +485,8 @@ Status Viewer::render_for(std::chrono::nanoseconds budget) {
 /// Asks for what a picture that is a few frames ahead of a moving camera would lack: a level deeper each
 /// time, until it lacks nothing.
 void Viewer::prefetch(exec::Deadline deadline) {
-  if (surfaces_ || !options_.prefetch || !ahead_.moving() || crowded_ || !exact_->all_run() || exec::late(deadline))
+  if (surfaces_ || !options_.prefetch || !ahead_.moving() || crowded_ || !exact_->all_run() ||
+      exec::late(deadline))
     return;
   const auto view = ahead_.next(*view_);
   if (!view) return;
@@ -580,7 +582,8 @@ Status Viewer::picture(const render::PictureTarget& target) {
   if (!film_) return kNoView;
   GVX_TRY(render::check(target, view_->width, view_->height));
   const bool wants_reach = !target.depth.values.empty() || !target.object.values.empty();
-  const bool deep = world().objects().size() > 1 || !has_volumes() || !scene::projects(world().objects()[0].shown.mode);
+  const bool deep =
+      world().objects().size() > 1 || !has_volumes() || !scene::projects(world().objects()[0].shown.mode);
   if (wants_reach && !deep) return Error{"picture: depth: only modes composite and isosurface have one"};
   film_->develop(host(), development(), target);
   if (wants_reach) write_reach(target);
@@ -607,7 +610,8 @@ void Viewer::write_reach(const render::PictureTarget& target) {
         const render::RayReach reach = render::reach(all, ray_x, ray_y, kHalf);
         along_view = reach.distance * dot(camera.pixel_ray_from_eye(ray_x, ray_y).direction, camera.forward);
         if (reach.object == render::RayReach::kSurface) {
-          object = all.surfaces.at(static_cast<std::uint32_t>(ray_x), static_cast<std::uint32_t>(ray_y)).object;
+          object =
+              all.surfaces.at(static_cast<std::uint32_t>(ray_x), static_cast<std::uint32_t>(ray_y)).object;
         } else if (reach.object >= 0) {
           object = static_cast<std::int32_t>(frames.object(static_cast<std::size_t>(reach.object)));
         }

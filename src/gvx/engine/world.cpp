@@ -26,6 +26,7 @@ Result<std::shared_ptr<const World>> World::make(std::vector<Object> objects) {
 void World::add(Object object) {
   tree::TreeDescription tree = object.surface != nullptr ? object.surface->tree() : object.volume->tree();
   tree.histograms.clear();
+  tree.outline.clear();
   tree.tree_to_world = object.transform * tree.tree_to_world;
   trees_.push_back(std::move(tree));
   if (object.surface != nullptr) {

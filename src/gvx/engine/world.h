@@ -20,8 +20,8 @@ namespace gvx::engine {
 
 struct Object {
   std::shared_ptr<Volume> volume;  ///< null where it is a surface
-  Affine3 transform;         ///< from the volume's world to the picture's; it may mirror and shear
-  render::ObjectLook shown;  ///< mode, transfer functions, clip box..; of a volume
+  Affine3 transform;               ///< from the volume's world to the picture's; it may mirror and shear
+  render::ObjectLook shown;        ///< mode, transfer functions, clip box..; of a volume
   std::shared_ptr<Surface> surface = {};
 };
 
@@ -60,7 +60,7 @@ class World {
   void add(Object object);
 
   std::vector<Object> objects_;
-  std::vector<tree::TreeDescription> trees_;  // without histograms
+  std::vector<tree::TreeDescription> trees_;  // without histograms and outlines
   std::vector<Volume*> volumes_;
   std::vector<std::size_t> surfaces_;
   std::vector<Kind> kinds_;

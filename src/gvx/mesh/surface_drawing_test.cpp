@@ -183,7 +183,8 @@ void expect_like_rays(const io::TriangleMesh& mesh, const SurfaceView& view,
       if (met == 0 && pixel.seen()) ++beyond;
       // Where the surface is torn, which side is seen may differ.
       if (met != 9 || !pixel.seen()) continue;
-      const double of_pixel = std::max(view.camera.orthographic ? 1.0 : double(most), 0.0) * view.camera.pixel;
+      const double of_pixel =
+          std::max(view.camera.orthographic ? 1.0 : double(most), 0.0) * view.camera.pixel;
       if (most - least > 8 * of_pixel) continue;
       const double finest = std::max(cell, of_pixel);
       const double ray = depths[static_cast<std::size_t>(y * width + x)];
@@ -226,7 +227,8 @@ class PartlyThere final : public surface::ResidentSurface {
     return pages_.contains({level, place / surface::kPageNodes}) ? whole_.node(level, place) : nullptr;
   }
   const std::byte* piece(std::uint32_t level, std::uint32_t place, Piece piece) override {
-    return pieces_.contains({level, place, static_cast<int>(piece)}) ? whole_.piece(level, place, piece) : nullptr;
+    return pieces_.contains({level, place, static_cast<int>(piece)}) ? whole_.piece(level, place, piece)
+                                                                     : nullptr;
   }
   /// Some of what lacks comes, and some of what is there goes.
   void change(const std::vector<surface::LackingElement>& lacking) {
@@ -286,7 +288,8 @@ TEST(SurfaceDrawing, shows_coarser_bricks_in_the_meantime_and_never_a_hole) {
     if (shows_some || drawing.counts().drawn() > 0) {
       shows_some = true;
       const auto rough = pixels_of(drawing);
-      for (std::size_t i = 0; i < rough.size(); ++i) ASSERT_TRUE(rough[i].shaded() || !exact[i].seen()) << passes;
+      for (std::size_t i = 0; i < rough.size(); ++i)
+        ASSERT_TRUE(rough[i].shaded() || !exact[i].seen()) << passes;
     }
     part.change(lacking);
   }
@@ -312,7 +315,8 @@ TEST(SurfaceDrawing, what_is_hidden_is_not_asked_for) {
   while (!drawing.complete()) {
     const auto lacking = drawing.advance();
     for (const auto& element : lacking) {
-      if (!element.page && element.piece == Piece::attributes) colors_asked.insert({element.level, element.place});
+      if (!element.page && element.piece == Piece::attributes)
+        colors_asked.insert({element.level, element.place});
     }
     part.change(lacking);
   }
@@ -379,7 +383,7 @@ TEST(SurfaceDrawing, thin_doubled_inverted_and_torn_faces_are_shown) {
   add({-0.9f, -0.3f, 0.9f}, {0.9f, -0.3f, 0.9f}, {0.9f, -0.3f, 0.93f});  // thinner than a cell
   const auto whole = surface_of(mesh);
   if (const auto made = MeshQuery::create(mesh); !made.ok()) GTEST_SKIP() << made.error().message;
-  const auto compare = [&](double distance, auto counts) {
+  const auto compare = [&](double distance, int most_missing_of, auto counts) {
     const SurfaceView view = view_from({0, -distance, 0.2}, 160, 120);
     const auto pixels = drawn(view, *whole);
     const std::vector<float> depths = depths_by_rays(mesh, view);
@@ -390,12 +394,13 @@ TEST(SurfaceDrawing, thin_doubled_inverted_and_torn_faces_are_shown) {
       elsewhere += pixels[i].seen() && std::fabs(pixels[i].place - depths[i]) > 0.1f ? 1 : 0;
     }
     EXPECT_GT(seen_by_both, 300);
-    EXPECT_LT(missing, seen_by_both / 100);
+    EXPECT_LT(missing, seen_by_both / most_missing_of);
     EXPECT_LT(elsewhere, seen_by_both / 100);
   };
-  compare(2.5, [](float depth) { return depth < INFINITY; });
-  // From afar a face of the torn sheet is as small as a sample, and may lie between two.
-  compare(5, [](float depth) { return depth < 4.9f; });
+  compare(2.5, 100, [](float depth) { return depth < INFINITY; });
+  // From afar what is as thin as a pixel may lie between two samples: a face of the torn sheet, and some of
+  // the needle.
+  compare(5, 25, [](float depth) { return depth < 4.9f; });
 }
 
 }  // namespace

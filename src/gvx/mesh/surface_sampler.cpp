@@ -49,7 +49,8 @@ struct Mixed {
 
   Mixed(const SurfaceTriangle& triangle, const std::array<std::int64_t, 3>& weight, std::int64_t all) {
     for (int i = 0; i < 3; ++i) {
-      const auto share = static_cast<float>(static_cast<double>(weight[std::size_t(i)]) / static_cast<double>(all));
+      const auto share =
+          static_cast<float>(static_cast<double>(weight[std::size_t(i)]) / static_cast<double>(all));
       const Normal16& n = triangle.normal[i];
       const Rgb8& c = triangle.color[i];
       normal = normal + share / 32767 * Vec3f(float(n[0]), float(n[1]), float(n[2]));

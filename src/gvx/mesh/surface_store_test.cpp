@@ -95,8 +95,8 @@ TEST_F(SurfaceStore, holds_every_triangle_at_its_place) {
       const auto bytes = reader->read_piece(node, Piece::triangles).value();
       const auto view = surface::triangle_view(node, bytes.data());
       for (std::uint32_t v = 0; v < view.vertices; ++v) {
-        const Vec3d cells = double(surface::kCells) * corner(keys[i]) +
-                            Vec3d(view.place(v)) / double(surface::kCellParts);
+        const Vec3d cells =
+            double(surface::kCells) * corner(keys[i]) + Vec3d(view.place(v)) / double(surface::kCellParts);
         EXPECT_TRUE(places.contains(key(reader->info().cells_to_world.point(cells))));
         const Vec3d out = normalize(reader->info().cells_to_world.point(cells) - Vec3d(1, 2, 3));
         EXPECT_GT(dot(Vec3f(out), surface::normal_of(view.attributes(v))), 0.99f);

@@ -23,6 +23,7 @@ Result<VisibleBounds> visible_part(const scene::SceneFile& scene, const OpenVolu
   const Box3d all = tree.bounds.value_or(tree.extent);
   const Box3d shown = intersect(all, box_part(tree.extent, *scene.clip));
   if (shown.empty()) return VisibleBounds{all, {}};
+  if (!tree.outline.empty()) return VisibleBounds{shown, tree.outline};
   // What is made, not stored, tells less than what it will be.
   if (!tree.exact_ranges || scene::projects(*scene.mode)) return VisibleBounds{shown, {}};
   scene::SceneFile seen_somehow = scene;

@@ -108,6 +108,10 @@ Result<OpenScene> open_placed_objects(scene::SceneFile scene, const OpenOptions&
   opened.volume = opened.objects[0].volume;
   // What the objects have in common is completed as that of the first.
   scene::SceneFile first = scene_of_one(scene);
+  const bool has_volumes =
+      std::any_of(opened.objects.begin(), opened.objects.end(),
+                  [](const OpenObject& object) { return !object.volume.producer->description().surface; });
+  if (has_volumes && !first.antialias) first.antialias = render::View().antialias;
   GVX_TRY(complete_look(first, opened.volume, options.naming));
   std::vector<PlacedBox> boxes;
   for (const OpenObject& object : opened.objects) {

@@ -61,7 +61,8 @@ Result<std::optional<OpenVolume>> open_surface(const Request& request, const std
   } else {
     return std::optional<OpenVolume>();
   }
-  return std::optional(OpenVolume{std::make_shared<surface::StoredSurface>(std::move(reader)), {}});
+  GVX_ASSIGN(auto surface, surface::StoredSurface::of(std::move(reader)));
+  return std::optional(OpenVolume{std::move(surface), {}});
 }
 
 /// A name, with what was said of it that no scene has taken yet.

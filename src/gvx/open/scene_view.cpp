@@ -47,7 +47,9 @@ Status check_isovalue(const scene::ObjectParts& scene, const FieldNaming& naming
 }
 
 Status complete_look(scene::SceneFile& scene, const OpenVolume& volume, const FieldNaming& naming) {
-  const render::View standard;
+  render::View standard;
+  // Volumes are seen by cones; a surface is seen by single rays, which leave steps at its edges.
+  if (volume.producer->description().surface) standard.antialias = 2;
   tie_fields(scene, standard, [](auto& field, const auto& of_view) {
     if (!field) field = of_view;
   });

@@ -73,8 +73,8 @@ struct Element {
   /// Of all values of a brick of scalars, border and all: examine_element() finds it.
   std::optional<ChannelRanges> found;
   std::shared_ptr<const std::vector<std::byte>> bytes;  ///< of an element of a surface
-  std::vector<NodeKey> child_keys;       ///< of children: canonical, N^3 of them
-  std::vector<tree::NodeInfo> children;  ///< of children: their descriptions
+  std::vector<NodeKey> child_keys;                      ///< of children: canonical, N^3 of them
+  std::vector<tree::NodeInfo> children;                 ///< of children: their descriptions
 };
 
 }  // namespace gvx::produce

@@ -135,8 +135,8 @@ Result<StoreHeader> read_header(const StoreFile& file) {
   result.record_bytes = header.record_bytes;
   GVX_ASSIGN(result.info, info_of(file, header));
   const SectionTable table{header.sections, header.table_offset, header.table_checksum};
-  GVX_ASSIGN(result.sections, header.version == 2 ? sections_of(file, old)
-                                                  : read_sections(file, table, sizeof(FileHeader)));
+  GVX_ASSIGN(result.sections,
+             header.version == 2 ? sections_of(file, old) : read_sections(file, table, sizeof(FileHeader)));
   constexpr const char* kKnown[] = {kDirectorySection, kRecordsSection, kMetadataSection};
   GVX_TRY(check_required(file, result.sections, kKnown));
   return result;

@@ -70,8 +70,8 @@ Status StoreWriter::add_page_layer(std::uint32_t level, std::int64_t page_z,
   const Vec3i pages = shape_.level_pages(level);
   const std::int64_t row = pages.x * kEdge, slice = row * pages.y * kEdge;
   if (static_cast<std::int64_t>(records.size()) != slice * kEdge) {
-    return Error{file_.partial_path() + ": a layer of " + std::to_string(records.size()) + " records; expected " +
-                 std::to_string(slice * kEdge)};
+    return Error{file_.partial_path() + ": a layer of " + std::to_string(records.size()) +
+                 " records; expected " + std::to_string(slice * kEdge)};
   }
   std::vector<std::byte> page(std::size_t{kPageNodes} * layout_.bytes());
   for (std::int64_t py = 0; py < pages.y; ++py) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <string>
+#include <tuple>
 #include <utility>
 
 namespace gvx::surface {
@@ -27,6 +28,51 @@ produce::TreeDescription describe_surface(const SurfaceInfo& info) {
   tree.format = {VoxelType::u8, VoxelContent::color_normal, 7};  // what functions take for colours
   tree.up = info.up;
   return tree;
+}
+
+/// Corners of the nodes of a level, in tree space: of the finest that has few.
+Result<std::vector<Vec3d>> outline_of(const SurfaceReader& reader) {
+  constexpr std::uint64_t kMostNodes = 512;
+  std::vector<NodeKey> keys = {{}};
+  std::vector<SurfaceNode> nodes;
+  for (std::uint32_t level = 0;; ++level) {
+    nodes.clear();
+    for (std::uint64_t page = 0; page < pages_of(reader.nodes(level)); ++page) {
+      GVX_ASSIGN(const auto some, reader.read_page(level, page));
+      nodes.insert(nodes.end(), some.begin(), some.end());
+    }
+    if (nodes.size() != keys.size()) return reader.file().corrupt("nodes have no parent");
+    if (level + 1 == reader.info().levels || reader.nodes(level + 1) > kMostNodes) break;
+    std::vector<NodeKey> finer;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      for (int octant = 0; octant < 8; ++octant) {
+        if ((nodes[i].children >> octant & 1) != 0) finer.push_back(child(keys[i], 2, octant));
+      }
+    }
+    keys = std::move(finer);
+  }
+  std::vector<Vec3d> outline;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto& [low, high] = std::tie(nodes[i].low, nodes[i].high);
+    for (int c = 0; c < 8; ++c) {
+      const auto along = [&](int axis) { return double((c >> axis & 1) != 0 ? high[axis] + 1 : low[axis]); };
+      const Vec3d cells = double(kCells) * corner(keys[i]) + Vec3d(along(0), along(1), along(2));
+      outline.push_back(cells / (kCells * nodes_across(2, keys[i].level)));
+    }
+  }
+  return outline;
+}
+
+Result<std::shared_ptr<const StoredSurface>> StoredSurface::open(const std::string& path) {
+  GVX_ASSIGN(auto reader, SurfaceReader::open(path));
+  return of(std::move(reader));
+}
+
+Result<std::shared_ptr<const StoredSurface>> StoredSurface::of(std::unique_ptr<SurfaceReader> reader) {
+  GVX_ASSIGN(auto outline, outline_of(*reader));
+  auto surface = std::shared_ptr<StoredSurface>(new StoredSurface(std::move(reader)));
+  surface->description_.outline = std::move(outline);
+  return std::shared_ptr<const StoredSurface>(std::move(surface));
 }
 
 StoredSurface::StoredSurface(std::unique_ptr<SurfaceReader> reader)
@@ -69,7 +115,8 @@ Result<produce::Element> StoredSurface::make(produce::ElementKind kind, const No
   return made;
 }
 
-void StoredSurface::start(const produce::ElementBatch& batch, std::shared_ptr<produce::ElementSink> sink) const {
+void StoredSurface::start(const produce::ElementBatch& batch,
+                          std::shared_ptr<produce::ElementSink> sink) const {
   for (std::size_t i = 0; i < batch.nodes.size(); ++i) {
     if (sink->cancelled(i)) {
       sink->drop(i);

@@ -6,6 +6,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "gvx/produce/producer.h"
@@ -15,13 +16,15 @@ namespace gvx::surface {
 
 /// How production calls a piece, and a page.
 inline produce::ElementKind kind_of(Piece piece) {
-  return static_cast<produce::ElementKind>(static_cast<std::uint32_t>(produce::ElementKind::surface_geometry) +
-                                           static_cast<std::uint32_t>(piece));
+  return static_cast<produce::ElementKind>(
+      static_cast<std::uint32_t>(produce::ElementKind::surface_geometry) + static_cast<std::uint32_t>(piece));
 }
 
 class StoredSurface final : public produce::Producer {
  public:
-  explicit StoredSurface(std::unique_ptr<SurfaceReader> reader);
+  /// Reads a few pages of nodes, too; an error if the file is no sound surface store.
+  static Result<std::shared_ptr<const StoredSurface>> open(const std::string& path);
+  static Result<std::shared_ptr<const StoredSurface>> of(std::unique_ptr<SurfaceReader> reader);
 
   const SurfaceInfo& info() const { return reader_->info(); }
   const produce::TreeDescription& description() const override { return description_; }
@@ -37,6 +40,8 @@ class StoredSurface final : public produce::Producer {
   Status produce(const NodeKey& key, std::span<std::byte> voxels) const override;
 
  private:
+  explicit StoredSurface(std::unique_ptr<SurfaceReader> reader);
+
   using Page = std::shared_ptr<const std::vector<SurfaceNode>>;
   /// Pages in which pieces were looked up last are kept.
   struct KeptPage {

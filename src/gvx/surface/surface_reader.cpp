@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <utility>
 
 #include "gvx/store/checksum.h"
@@ -92,8 +94,7 @@ Status SurfaceReader::read_header() {
 Status SurfaceReader::read_levels() {
   GVX_ASSIGN(const auto nodes, read_list<std::uint64_t>(file_, sections_, kLevelsSection,
                                                         kMostSurfaceLevels * sizeof(std::uint64_t)));
-  GVX_ASSIGN(const auto pages,
-             read_list<store::BlockRef>(file_, sections_, kPagesSection, kMostPagesBytes));
+  GVX_ASSIGN(const auto pages, read_list<store::BlockRef>(file_, sections_, kPagesSection, kMostPagesBytes));
   if (nodes.size() != info_.levels || nodes.front() != 1) return file_.corrupt("it has no root");
   auto next = pages.begin();
   for (const std::uint64_t count : nodes) {
@@ -157,7 +158,8 @@ Status SurfaceReader::check_node(const SurfaceNode& node, std::uint32_t level) c
     if (raw > kMostPieceBytes || raw > kMostRatio * node.bytes[piece]) return wrong("size is absurd");
     end += node.bytes[piece];
   }
-  if (node.offset > file_.size_bytes() || end > file_.size_bytes()) return wrong("pieces are not within the file");
+  if (node.offset > file_.size_bytes() || end > file_.size_bytes())
+    return wrong("pieces are not within the file");
   return {};
 }
 
@@ -187,8 +189,8 @@ Result<std::vector<SurfaceNode>> SurfaceReader::read_page(std::uint32_t level, s
 Result<std::vector<std::byte>> SurfaceReader::read_piece(const SurfaceNode& node, Piece piece) const {
   const int number = static_cast<int>(piece);
   const auto wrong = [&](const std::string& what) {
-    return file_.corrupt(std::string("the ") + kPieceNames[number] + " at byte " + std::to_string(node.offset) +
-                         ": " + what);
+    return file_.corrupt(std::string("the ") + kPieceNames[number] + " at byte " +
+                         std::to_string(node.offset) + ": " + what);
   };
   std::uint64_t offset = node.offset;
   for (int before = 0; before < number; ++before) offset += node.bytes[before];
@@ -207,6 +209,9 @@ Result<std::vector<std::byte>> SurfaceReader::read_piece(const SurfaceNode& node
 }
 
 bool is_surface_store(const std::string& path) {
+  // To look into a pipe would take away what is in it.
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
   std::ifstream file(path, std::ios::binary);
   std::array<char, 8> magic{};
   file.read(magic.data(), magic.size());

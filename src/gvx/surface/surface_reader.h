@@ -67,7 +67,7 @@ struct SurfaceVerifyReport {
 
 /// Reads every byte of a surface store that means something, and checks it. The first error names the part.
 /// `progress` (may be empty) is called with done and all nodes.
-Result<SurfaceVerifyReport> verify_surface(
-    const std::string& path, const std::function<void(std::uint64_t, std::uint64_t)>& progress);
+Result<SurfaceVerifyReport> verify_surface(const std::string& path,
+                                           const std::function<void(std::uint64_t, std::uint64_t)>& progress);
 
 }  // namespace gvx::surface

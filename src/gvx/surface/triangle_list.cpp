@@ -64,7 +64,8 @@ Status check_triangles(std::uint32_t vertices, std::uint32_t triangles, bool wid
   for (std::uint32_t triangle = 0; triangle < triangles; ++triangle) {
     for (int corner = 0; corner < 3; ++corner) {
       if (view.vertex(triangle, corner) >= vertices) {
-        return Error{"surface brick: triangle " + std::to_string(triangle) + " has a vertex that is not there"};
+        return Error{"surface brick: triangle " + std::to_string(triangle) +
+                     " has a vertex that is not there"};
       }
     }
   }

@@ -65,7 +65,8 @@ struct TriangleListView {
     const std::size_t first = vertices * (place_bytes(wide) + sizeof(SampleAttributes));
     const int width = corner_bytes(vertices);
     std::uint32_t number = 0;
-    std::memcpy(&number, bytes + first + (std::size_t{triangle} * 3 + std::size_t(corner)) * std::size_t(width),
+    std::memcpy(&number,
+                bytes + first + (std::size_t{triangle} * 3 + std::size_t(corner)) * std::size_t(width),
                 static_cast<std::size_t>(width));
     return number;
   }

@@ -22,6 +22,8 @@ struct TreeDescription : VolumeDescription {
   Box3d extent{{0, 0, 0}, {1, 1, 1}};  ///< the part of tree space that holds the volume
   /// The part of the extent that is not empty, if it is known. Default cameras show this part.
   std::optional<Box3d> bounds = {};
+  /// Places around what is not empty, closer than `bounds`, if they are known. Default cameras show them.
+  std::vector<Vec3d> outline;
   float beyond_ranges = 0;  ///< how far voxels that are made may lie outside of `ranges`
   /// In which the source shows its channels: red, green, blue from 0 to 1. One a channel, or none.
   std::vector<std::optional<Vec3f>> channel_colors;

@@ -190,14 +190,15 @@ class Caster {
       const Float from_w = hn::MulAdd(s, way[2], place[2]), to_w = hn::MulAdd(until, way[2], place[2]);
       // A little more than it crosses: no cell may be missed for rounding.
       constexpr float kMargin = 1e-4f;
-      const auto clamped = [&](Float w)
-                               HWY_ATTR { return hn::ConvertTo(kInts, hn::Min(hn::Max(w, zero), last_cell)); };
+      const auto clamped = [&](Float w) HWY_ATTR {
+        return hn::ConvertTo(kInts, hn::Min(hn::Max(w, zero), last_cell));
+      };
       const Int low = clamped(hn::Sub(hn::Min(from_w, to_w), all(kMargin)));
       const Int high = clamped(hn::Add(hn::Max(from_w, to_w), all(kMargin)));
       column = hn::ConvertTo(kInts, hn::MulAdd(cell[1], all(kCells), cell[0]));
       const Int safe = hn::And(column, all_ints(kCells * kCells - 1));
-      const Word cells = hn::BitCast(
-          kWords, hn::GatherIndex(kInts, reinterpret_cast<const std::int32_t*>(columns_), safe));
+      const Word cells =
+          hn::BitCast(kWords, hn::GatherIndex(kInts, reinterpret_cast<const std::int32_t*>(columns_), safe));
       const Word ones = all_words(UINT32_MAX);
       const Word within = hn::And(hn::Shl(ones, hn::BitCast(kWords, low)),
                                   hn::Shr(ones, hn::BitCast(kWords, hn::Sub(all_ints(31), high))));
@@ -231,14 +232,14 @@ class Caster {
     const Float cell_w = hn::ConvertTo(kFloats, w), behind = hn::Add(cell_w, all(1));
     const Float first = hn::IfThenElse(rises, cell_w, behind), second = hn::IfThenElse(rises, behind, cell_w);
     const Float enters = hn::Max(found_enter, hn::Mul(hn::Sub(first, place[2]), inverse[2]));
-    const Float leaves =
-        hn::Max(hn::Min(found_exit, hn::Mul(hn::Sub(second, place[2]), inverse[2])), enters);
+    const Float leaves = hn::Max(hn::Min(found_exit, hn::Mul(hn::Sub(second, place[2]), inverse[2])), enters);
     const Float middle = hn::Mul(all(0.5f), hn::Add(enters, leaves));
     const Float depth = hn::MulAdd(middle, all(depth_per_way_), all(nearest_));
 
     const Int u = hn::And(found_column, all_ints(kCells - 1)), v = hn::ShiftRight<5>(found_column);
-    const Int item = hn::Add(hn::Add(hn::Mul(u, all_ints(stride(axes_.u))), hn::Mul(v, all_ints(stride(axes_.v)))),
-                             hn::Mul(w, all_ints(stride(axes_.w))));
+    const Int item =
+        hn::Add(hn::Add(hn::Mul(u, all_ints(stride(axes_.u))), hn::Mul(v, all_ints(stride(axes_.v)))),
+                hn::Mul(w, all_ints(stride(axes_.w))));
     const Mask nearer = hn::And(hit, hn::Lt(depth, depth_before));
     hn::BlendedStore(depth, nearer, kFloats, depths);
     const std::size_t at = hits_.index(x, y);

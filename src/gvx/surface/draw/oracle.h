@@ -34,7 +34,8 @@ inline constexpr double kWidestCell = 1;
 
 inline Technique choose_technique(const BrickMeasures& brick, const TechniqueCosts& costs = {}) {
   if (!brick.has_samples) return Technique::rasterise;
-  const double covered = std::min(brick.pixels, double(brick.samples) * brick.cell_pixels * brick.cell_pixels);
+  const double covered =
+      std::min(brick.pixels, double(brick.samples) * brick.cell_pixels * brick.cell_pixels);
   const double cast = costs.cast_pixel * brick.pixels * (1 + costs.steep * brick.along_grid);
   const double splat = costs.sample * double(brick.samples);
   const double rasterise = costs.triangle * double(brick.triangles) + costs.triangle_pixel * covered;

@@ -21,8 +21,8 @@ PlacedBrick::Seen seen_of(const FilmPlane& film, const Affine3& to_camera, const
     seen.farthest = std::max(seen.farthest, corners[i].z);
   }
   if (!(seen.farthest > 0)) return seen;
-  const double widest = std::max({length(to_camera.column[0]), length(to_camera.column[1]),
-                                  length(to_camera.column[2])});
+  const double widest =
+      std::max({length(to_camera.column[0]), length(to_camera.column[1]), length(to_camera.column[2])});
   const bool around_eye = !(seen.nearest > 0);
   seen.nearest = std::max(seen.nearest, 0.0);
   seen.cell_pixels = film.orthographic ? widest / film.pixel

@@ -40,12 +40,8 @@ struct FilmPlane {
   }
   /// The pixel that a place is seen in; whole numbers are the middles of pixels. Perspective: of a place
   /// before the eye.
-  GVX_HD double x_of(Vec3d place) const {
-    return place.x / width_at(place.z) + half_width - 0.5;
-  }
-  GVX_HD double y_of(Vec3d place) const {
-    return half_height - 0.5 - place.y / width_at(place.z);
-  }
+  GVX_HD double x_of(Vec3d place) const { return place.x / width_at(place.z) + half_width - 0.5; }
+  GVX_HD double y_of(Vec3d place) const { return half_height - 0.5 - place.y / width_at(place.z); }
   /// The width of a pixel at a depth.
   GVX_HD double width_at(double depth) const { return orthographic ? pixel : pixel * depth; }
 };

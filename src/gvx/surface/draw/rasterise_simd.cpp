@@ -1,6 +1,6 @@
 // rasterise_in_vectors: what rasterise() does, for many small triangles. Vertices are put on the film in
-// vectors and rounded to parts of a pixel; edges are then told by whole numbers, so that no ray passes between
-// triangles that share one. Compiled once for each instruction set.
+// vectors and rounded to parts of a pixel; edges are then told by whole numbers, so that no ray passes
+// between triangles that share one. Compiled once for each instruction set.
 
 #include "gvx/surface/draw/simd_targets.h"
 
@@ -82,7 +82,7 @@ class Rasteriser {
     const std::size_t lanes = hn::Lanes(kFloats);
     vertices_->resize(list.vertices + lanes);
     const Affine3& to_camera = drawn_.placed.to_camera;
-    const auto row = [&](int axis, float (&to)[4]) {
+    const auto row = [&](int axis, float(&to)[4]) {
       for (int c = 0; c < 3; ++c) to[c] = static_cast<float>(to_camera.column[c][axis] / kCellParts);
       to[3] = static_cast<float>(to_camera.origin[axis]);
     };
@@ -102,13 +102,14 @@ class Rasteriser {
       }
       const Float px = hn::Load(kFloats, place[0]), py = hn::Load(kFloats, place[1]),
                   pz = hn::Load(kFloats, place[2]);
-      const auto along = [&](const float (&r)[4]) HWY_ATTR {
+      const auto along = [&](const float(&r)[4]) HWY_ATTR {
         return hn::MulAdd(all(r[0]), px, hn::MulAdd(all(r[1]), py, hn::MulAdd(all(r[2]), pz, all(r[3]))));
       };
       const Float z = along(rows[2]);
       const Float over_z = film.orthographic ? all(1) : hn::Div(all(1), z);
       const Float scale = hn::Mul(over_z, all(per_pixel));
-      const Float x = hn::MulAdd(along(rows[0]), scale, all(x0)), y = hn::NegMulAdd(along(rows[1]), scale, all(y0));
+      const Float x = hn::MulAdd(along(rows[0]), scale, all(x0)),
+                  y = hn::NegMulAdd(along(rows[1]), scale, all(y0));
       const Mask near = hn::And(hn::Lt(hn::Abs(x), all(kFarthest)), hn::Lt(hn::Abs(y), all(kFarthest)));
       const Mask sound = film.orthographic ? near : hn::And(near, hn::Gt(z, hn::Zero(kFloats)));
       const auto parts = [&](Float v) HWY_ATTR {
@@ -156,13 +157,15 @@ class Rasteriser {
   };
 
   template <typename Corner>
-  HWY_INLINE void fill(const Corners& c, const Corner (&v)[3], const PixelRect& rect, std::uint32_t triangle) {
+  HWY_INLINE void fill(const Corners& c, const Corner (&v)[3], const PixelRect& rect,
+                       std::uint32_t triangle) {
     const std::int64_t side = c.area < 0 ? -1 : 1;
     std::int64_t at[3], per_x[3], per_y[3];  // weights of corners at the first pixel, and their steps
     for (int i = 0; i < 3; ++i) {
       const int j = (i + 1) % 3, k = (i + 2) % 3;
       const std::int64_t dx = side * (c.x[k] - c.x[j]), dy = side * (c.y[k] - c.y[j]);
-      const std::int64_t px = std::int64_t{rect.x0} * kParts - c.x[j], py = std::int64_t{rect.y0} * kParts - c.y[j];
+      const std::int64_t px = std::int64_t{rect.x0} * kParts - c.x[j],
+                         py = std::int64_t{rect.y0} * kParts - c.y[j];
       at[i] = dx * py - dy * px;
       per_x[i] = -dy * kParts;
       per_y[i] = dx * kParts;
@@ -175,7 +178,9 @@ class Rasteriser {
       const std::size_t row = static_cast<std::size_t>(y) * TileHits::kEdge;
       for (std::int32_t x = rect.x0; x < rect.x1; ++x) {
         if ((a | b | d) >= 0) {
-          const float mixed = (static_cast<float>(a) * w0 + static_cast<float>(b) * w1 + static_cast<float>(d) * w2) * over_area;
+          const float mixed =
+              (static_cast<float>(a) * w0 + static_cast<float>(b) * w1 + static_cast<float>(d) * w2) *
+              over_area;
           const float w = std::min(std::max(mixed, least), most);
           const float depth = drawn_.film.orthographic ? w : 1 / w;
           if (depth > 0) hits_.put(row + static_cast<std::size_t>(x), depth, drawn_.number, triangle);

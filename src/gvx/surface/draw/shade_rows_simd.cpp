@@ -60,27 +60,26 @@ HWY_INLINE Vec3v chosen(Mask mask, const Vec3v& a, const Vec3v& b) {
 HWY_INLINE Vec3v unit_or_zero(const Vec3v& v) {
   const Float length2 = dot(v, v);
   const Mask some = hn::Gt(length2, hn::Zero(kFloats));
-  return scaled(hn::IfThenElseZero(some, hn::Div(all(1), hn::Sqrt(hn::IfThenElse(some, length2, all(1))))), v);
+  return scaled(hn::IfThenElseZero(some, hn::Div(all(1), hn::Sqrt(hn::IfThenElse(some, length2, all(1))))),
+                v);
 }
 
 /// Three numbers of each lane, in memory.
 struct Stored3 {
   alignas(64) float x[kMost], y[kMost], z[kMost];
 
-  HWY_INLINE Vec3v load() const {
-    return {hn::Load(kFloats, x), hn::Load(kFloats, y), hn::Load(kFloats, z)};
-  }
+  HWY_INLINE Vec3v load() const { return {hn::Load(kFloats, x), hn::Load(kFloats, y), hn::Load(kFloats, z)}; }
   void put(std::size_t lane, const Vec3f& v) { x[lane] = v.x, y[lane] = v.y, z[lane] = v.z; }
 };
 
 /// What is gathered of some pixels of a row, a lane each.
 struct Gathered {
-  Stored3 normal;                      // in cells; of triangles. Of samples:
+  Stored3 normal;                          // in cells; of triangles. Of samples:
   alignas(64) std::int32_t packed[kMost];  // octahedral
-  Stored3 color;                       // 0 to 255
-  Stored3 middle;                      // of a sample's cell, in camera space
-  alignas(64) float depth[kMost];      // of the surface, of triangles; of samples that of the cell's middle
-  alignas(64) float reach[kMost];      // how far from there a sample's may be; 0 of triangles
+  Stored3 color;                           // 0 to 255
+  Stored3 middle;                          // of a sample's cell, in camera space
+  alignas(64) float depth[kMost];  // of the surface, of triangles; of samples that of the cell's middle
+  alignas(64) float reach[kMost];  // how far from there a sample's may be; 0 of triangles
   alignas(64) std::int32_t instance[kMost];
   std::uint32_t x[kMost];
   std::int32_t object[kMost];
@@ -125,7 +124,8 @@ class RowShader {
     to.color.put(lane, 255.0f * overlay_color(shading_.overlay, brick, pixel.item));
   }
 
-  static void gather_sample(const SurfacePixel& pixel, const SeenBrick& brick, std::size_t lane, Gathered& to) {
+  static void gather_sample(const SurfacePixel& pixel, const SeenBrick& brick, std::size_t lane,
+                            Gathered& to) {
     const Cell cell{static_cast<int>(pixel.item % kCells), static_cast<int>(pixel.item / kCells % kCells),
                     static_cast<int>(pixel.item / (kCells * kCells) % kCells)};
     const Cell grid = GridAxes(brick.samples.axis).to_grid(cell);
@@ -136,7 +136,8 @@ class RowShader {
                 w = static_cast<float>(cell.z) + 0.5f;
     to.middle.put(lane, brick.corner + u * brick.cell[0] + v * brick.cell[1] + w * brick.cell[2]);
     to.depth[lane] = pixel.depth;
-    to.reach[lane] = 0.5f * (std::fabs(brick.cell[0].z) + std::fabs(brick.cell[1].z) + std::fabs(brick.cell[2].z));
+    to.reach[lane] =
+        0.5f * (std::fabs(brick.cell[0].z) + std::fabs(brick.cell[1].z) + std::fabs(brick.cell[2].z));
   }
 
   /// Corners are told from where the ray meets the triangle: floats suffice for what is so near.
@@ -149,7 +150,8 @@ class RowShader {
     for (int i = 0; i < 3; ++i) {
       vertex[i] = brick.triangles.vertex(pixel.item, i);
       const Vec3f parts = Vec3f(brick.triangles.place(vertex[i])) * (1.0f / kCellParts);
-      from[i] = brick.corner - at + (parts.x * brick.cell[0] + parts.y * brick.cell[1] + parts.z * brick.cell[2]);
+      from[i] =
+          brick.corner - at + (parts.x * brick.cell[0] + parts.y * brick.cell[1] + parts.z * brick.cell[2]);
     }
     const Vec3f normal = cross(from[1] - from[0], from[2] - from[0]);
     const float area2 = gvx::dot(normal, normal);
@@ -181,7 +183,8 @@ class RowShader {
   /// sample_attributes.h: normal_of().
   static HWY_INLINE Vec3v unpacked_normal(Int packed) {
     const auto unit = [](Int bits) HWY_ATTR {
-      return hn::MulSub(hn::ConvertTo(kFloats, hn::And(bits, hn::Set(kInts, 4095))), all(2.0f / 4095), all(1));
+      return hn::MulSub(hn::ConvertTo(kFloats, hn::And(bits, hn::Set(kInts, 4095))), all(2.0f / 4095),
+                        all(1));
     };
     Float x = unit(hn::ShiftRight<12>(packed)), y = unit(packed);
     const Float z = hn::Sub(hn::Sub(all(1), hn::Abs(x)), hn::Abs(y));
@@ -237,8 +240,8 @@ class RowShader {
     for (std::size_t lane = 0; lane < kMost; ++lane) x_of[lane] = static_cast<float>(g.x[lane]);
     const FilmPlane& film = shading_.film;
     const auto pixel = static_cast<float>(film.pixel);
-    const Float across = hn::Mul(hn::Sub(hn::Load(kFloats, x_of), all(static_cast<float>(film.half_width - 0.5))),
-                                 all(pixel));
+    const Float across =
+        hn::Mul(hn::Sub(hn::Load(kFloats, x_of), all(static_cast<float>(film.half_width - 0.5))), all(pixel));
     const Float up = all(static_cast<float>((film.half_height - 0.5 - double(y_)) * film.pixel));
     const Float zero = hn::Zero(kFloats), one = all(1);
     const Vec3v origin = film.orthographic ? Vec3v{across, up, zero} : Vec3v{zero, zero, zero};
@@ -253,7 +256,8 @@ class RowShader {
     const Float place = hn::IfThenElse(usable, held, depth);
 
     const Vec3v base = scaled(all(1.0f / 255), g.color.load());
-    const Vec3v shown = lit(base, normal, unit_or_zero(scaled(all(-1), way)), sum(origin, scaled(place, way)));
+    const Vec3v shown =
+        lit(base, normal, unit_or_zero(scaled(all(-1), way)), sum(origin, scaled(place, way)));
     Stored3 colors;
     alignas(64) float places[kMost];
     hn::Store(shown.x, kFloats, colors.x);
@@ -270,7 +274,8 @@ class RowShader {
   }
 
   /// scene::LightingView::shade of what is certainly a surface.
-  HWY_INLINE Vec3v lit(const Vec3v& base, const Vec3v& normal, const Vec3v& to_eye, const Vec3v& point) const {
+  HWY_INLINE Vec3v lit(const Vec3v& base, const Vec3v& normal, const Vec3v& to_eye,
+                       const Vec3v& point) const {
     const scene::Lighting& lighting = shading_.lighting;
     if (!lighting.enabled) return base;
     Vec3v body{all(lighting.ambient), all(lighting.ambient), all(lighting.ambient)};

@@ -1,7 +1,7 @@
 /// \file
 /// The instruction sets that a surface's vectors are compiled for: the same as those of the march
-/// (render/vectors/simd_targets.h). To be included before any of Highway, by sources that are compiled once for
-/// each.
+/// (render/vectors/simd_targets.h). To be included before any of Highway, by sources that are compiled once
+/// for each.
 #pragma once
 
 // What lies between these or has vectors without a fixed size gains nothing here.

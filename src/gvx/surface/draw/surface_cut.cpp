@@ -59,12 +59,13 @@ CutBrick SurfaceCut::brick(const Place& at, const SurfaceNode& node, const Place
 template <typename Function>
 void SurfaceCut::for_children(const Place& at, const SurfaceNode& node, Function function) const {
   // The octant that the eye is in comes first; of axes, those on its side first.
-  const double finer = std::ldexp(double(kCells), static_cast<int>(instances_[at.instance].levels - 1 - at.level));
+  const double finer =
+      std::ldexp(double(kCells), static_cast<int>(instances_[at.instance].levels - 1 - at.level));
   const Vec3d middle = finer * (corner(at.key) + Vec3d(0.5));
   int nearest = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const bool high = camera_.film.orthographic ? forward_[at.instance][axis] < 0
-                                                : eye_[at.instance][axis] > middle[axis];
+    const bool high =
+        camera_.film.orthographic ? forward_[at.instance][axis] < 0 : eye_[at.instance][axis] > middle[axis];
     nearest |= high ? 1 << axis : 0;
   }
   for (int i = 0; i < 8; ++i) {
@@ -91,13 +92,15 @@ void SurfaceCut::visit(const Place& at, const Hidden& hidden) {
 }
 
 void SurfaceCut::lack_page(const Place& at, double nearest, std::vector<LackingElement>& lacking) const {
-  const LackingElement page{at.instance, at.level, at.place / kPageNodes, true, Piece::geometry,
-                            kPageNodes * sizeof(SurfaceNode), nearest};
+  const LackingElement page{at.instance, at.level,        at.place / kPageNodes,
+                            true,        Piece::geometry, kPageNodes * sizeof(SurfaceNode),
+                            nearest};
   // Nodes of a page mostly come soon after each other; what is asked for twice does no harm.
   constexpr std::ptrdiff_t kLast = 32;
   const auto first = lacking.end() - std::min(kLast, lacking.end() - lacking.begin());
   const bool there = std::any_of(first, lacking.end(), [&](const LackingElement& other) {
-    return other.page && other.instance == page.instance && other.level == page.level && other.place == page.place;
+    return other.page && other.instance == page.instance && other.level == page.level &&
+           other.place == page.place;
   });
   if (!there) lacking.push_back(page);
 }
@@ -118,8 +121,8 @@ bool SurfaceCut::ready(CutBrick& brick, std::vector<LackingElement>& lacking) co
       if (!needs(technique, piece) || surface.piece(brick.level, brick.place, piece) != nullptr) continue;
       all = false;
       if (list != nullptr) {
-        list->push_back({brick.instance, brick.level, brick.place, false, piece, piece_bytes(brick.node, piece),
-                         brick.seen.nearest});
+        list->push_back({brick.instance, brick.level, brick.place, false, piece,
+                         piece_bytes(brick.node, piece), brick.seen.nearest});
       }
     }
     return all;

@@ -58,16 +58,14 @@ struct CutBrick {
   bool drawn = false;
 
   /// In which order bricks win where depths are equal.
-  std::uint64_t order() const {
-    return std::uint64_t{instance} << 38 | std::uint64_t{level} << 32 | place;
-  }
+  std::uint64_t order() const { return std::uint64_t{instance} << 38 | std::uint64_t{level} << 32 | place; }
 };
 
 /// The camera and what it asks of surfaces.
 struct SurfaceCamera {
   FilmPlane film;
   Affine3 world_to_camera;
-  double widest_cell = kWidestCell;  ///< in pixels; 0: the finest everywhere
+  double widest_cell = kWidestCell;    ///< in pixels; 0: the finest everywhere
   std::optional<Technique> only = {};  ///< where a brick can be drawn so; for tests and benches
 
   /// From cells of a level of an instance to camera space.

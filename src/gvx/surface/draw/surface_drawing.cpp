@@ -16,7 +16,9 @@ namespace gvx::surface {
 namespace {
 
 SurfaceCamera camera_of(const SurfaceView& view) {
-  return {FilmPlane(view.camera, view.width, view.height), world_to_camera(view.camera), view.widest_cell, view.only};
+  // Triangles alone are those of the finest bricks.
+  const double widest = view.only == Technique::rasterise ? 0 : view.widest_cell;
+  return {FilmPlane(view.camera, view.width, view.height), world_to_camera(view.camera), widest, view.only};
 }
 
 /// Elements that are asked for at a time: what comes hides what is behind it, which need not come then.
@@ -117,8 +119,8 @@ std::vector<LackingElement> SurfaceDrawing::advance() {
     const std::byte* const bytes = surface.piece(brick.level, brick.place, piece);
     if (bytes == nullptr) {
       all_drawn = false;
-      lacking.push_back({brick.instance, brick.level, brick.place, false, piece, piece_bytes(brick.node, piece),
-                         brick.seen.nearest});
+      lacking.push_back({brick.instance, brick.level, brick.place, false, piece,
+                         piece_bytes(brick.node, piece), brick.seen.nearest});
       continue;
     }
     drawn.pieces[static_cast<int>(piece)] = bytes;
@@ -173,7 +175,8 @@ void SurfaceDrawing::draw(std::vector<Drawn>& bricks) {
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     const CutBrick &left = cut[bricks[a].number], &right = cut[bricks[b].number];
-    const bool left_first = left.technique == Technique::rasterise, right_first = right.technique == Technique::rasterise;
+    const bool left_first = left.technique == Technique::rasterise,
+               right_first = right.technique == Technique::rasterise;
     return left_first != right_first ? left_first : left.seen.nearest < right.seen.nearest;
   });
   std::vector<std::vector<std::uint32_t>> of_tiles(grid_.tiles());
@@ -181,7 +184,8 @@ void SurfaceDrawing::draw(std::vector<Drawn>& bricks) {
     const CutBrick& brick = cut[bricks[i].number];
     ++counts_.bricks[static_cast<int>(brick.technique)];
     const bool triangles = brick.technique == Technique::rasterise;
-    (triangles ? counts_.triangles : counts_.samples) += triangles ? brick.node.triangles : brick.node.samples;
+    (triangles ? counts_.triangles : counts_.samples) +=
+        triangles ? brick.node.triangles : brick.node.samples;
     counts_.bytes += piece_bytes(brick.node, triangles ? Piece::triangles : Piece::geometry);
     const PixelRect& rect = brick.seen.rect;
     constexpr std::int32_t kEdge = TileHits::kEdge;
@@ -240,7 +244,12 @@ void SurfaceDrawing::draw_tile(const PixelRect& rect, bool blank, std::span<cons
     }
     const SurfaceBrickView samples =
         brick_view(brick.node, drawn.pieces[static_cast<int>(Piece::geometry)], nullptr);
-    const DrawnSamples what{film, drawn.placed, samples, drawn.number, part, brick.seen.nearest,
+    const DrawnSamples what{film,
+                            drawn.placed,
+                            samples,
+                            drawn.number,
+                            part,
+                            brick.seen.nearest,
                             {Vec3d(brick.node.low[0], brick.node.low[1], brick.node.low[2]),
                              Vec3d(brick.node.high[0] + 1, brick.node.high[1] + 1, brick.node.high[2] + 1)}};
     if (brick.technique == Technique::splat) {
@@ -333,7 +342,8 @@ bool SurfaceDrawing::shade_tile(const RowShading& rows, const PixelRect& rect) {
     } else {
       shade_row(rows, row, static_cast<std::uint32_t>(y), x0, x1);
     }
-    left = left || std::any_of(row + x0, row + x1, [](const SurfacePixel& p) { return p.seen() && !p.shaded(); });
+    left = left ||
+           std::any_of(row + x0, row + x1, [](const SurfacePixel& p) { return p.seen() && !p.shaded(); });
   });
   return left;
 }

@@ -39,10 +39,10 @@ struct SurfaceView {
 
 /// How much was drawn.
 struct SurfaceCounts {
-  std::uint64_t bricks[3] = {};      ///< by Technique
-  std::uint64_t hidden = 0;          ///< bricks that were not drawn, as something else is before them
+  std::uint64_t bricks[3] = {};              ///< by Technique
+  std::uint64_t hidden = 0;                  ///< bricks that were not drawn, as something else is before them
   std::uint64_t triangles = 0, samples = 0;  ///< of the bricks that were drawn
-  std::uint64_t bytes = 0;           ///< of their pieces
+  std::uint64_t bytes = 0;                   ///< of their pieces
 
   std::uint64_t drawn() const { return bricks[0] + bricks[1] + bricks[2]; }
 };
@@ -50,7 +50,8 @@ struct SurfaceCounts {
 class SurfaceDrawing {
  public:
   /// For threads of `cpu`. The surfaces must live as long as it does.
-  SurfaceDrawing(const exec::Device& cpu, const SurfaceView& view, std::span<const SurfaceInstance> instances);
+  SurfaceDrawing(const exec::Device& cpu, const SurfaceView& view,
+                 std::span<const SurfaceInstance> instances);
 
   /// Begins another picture, in the same memory if it is of the same size.
   void see(const SurfaceView& view, std::span<const SurfaceInstance> instances);
@@ -74,7 +75,8 @@ class SurfaceDrawing {
   void clear();
   bool hidden(const PixelRect& rect, double nearest) const;
   void draw(std::vector<Drawn>& bricks);
-  void draw_tile(const PixelRect& rect, bool blank, std::span<const std::uint32_t> of_tile, const std::vector<Drawn>& bricks);
+  void draw_tile(const PixelRect& rect, bool blank, std::span<const std::uint32_t> of_tile,
+                 const std::vector<Drawn>& bricks);
   bool shade_tile(const RowShading& rows, const PixelRect& rect);
   std::vector<LackingElement> shade();
   void find_farthest(const PixelRect& tile);

@@ -2,9 +2,9 @@
 /// SurfaceFilmView: what each ray of a film sees of opaque surfaces.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cmath>
 
 #include "gvx/core/macros.h"
 #include "gvx/core/vec.h"

@@ -9,7 +9,7 @@ namespace gvx::surface {
 enum class Overlay : std::uint8_t {
   none,
   technique,  ///< by which technique a pixel was drawn: rasterised red, cast green, splatted blue
-  samples     ///< of samples in the column of its cell: one green, one span of several blue, several spans red
+  samples  ///< of samples in the column of its cell: one green, one span of several blue, several spans red
 };
 
 /// The names of Overlay, in its order.

@@ -38,7 +38,8 @@ struct SurfaceLight {
     const Ray ray = camera.pixel_ray_from_eye(x, y);
     const double distance = depth / dot(ray.direction, camera.forward);
     const Vec3f point(camera.eye + ray.at(distance));
-    const scene::Shade<float> light = lighting.shade(normal_world(normal), 1.0f, -Vec3f(ray.direction), point);
+    const scene::Shade<float> light =
+        lighting.shade(normal_world(normal), 1.0f, -Vec3f(ray.direction), point);
     return color * light.body + light.glint;
   }
 };
@@ -51,8 +52,8 @@ struct SurfacePoint {
 
 /// Of a sample that is seen at a depth: where the ray meets the plane through the cell's middle, as far as
 /// that is within half of what a cell takes up in depth.
-inline SurfacePoint point_of_sample(const SurfaceBrickView& brick, const PlacedBrick& placed, const Ray& of_film,
-                                    Cell cell, double depth) {
+inline SurfacePoint point_of_sample(const SurfaceBrickView& brick, const PlacedBrick& placed,
+                                    const Ray& of_film, Cell cell, double depth) {
   const Cell grid = GridAxes(brick.axis).to_grid(cell);
   const SampleAttributes& attributes = brick.attributes[brick.grid.rank(grid.x, grid.y, grid.z)];
   SurfacePoint point{normal_of(attributes), color_of(attributes), 0};
@@ -83,7 +84,8 @@ inline SurfacePoint point_of_triangle(const TriangleListView& triangles, const P
   // Normals that point against each other say nothing: then it is seen from the front.
   constexpr float kLeast = 1e-3f;
   const float size = length(point.normal);
-  point.normal = size > kLeast ? point.normal / size : normal_of(triangles.attributes(triangles.vertex(triangle, 0)));
+  point.normal =
+      size > kLeast ? point.normal / size : normal_of(triangles.attributes(triangles.vertex(triangle, 0)));
   return point;
 }
 

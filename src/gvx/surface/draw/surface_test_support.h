@@ -29,7 +29,9 @@ class WholeSurface final : public ResidentSurface {
     }
   }
 
-  const SurfaceNode* node(std::uint32_t level, std::uint32_t place) override { return &levels_[level].nodes[place]; }
+  const SurfaceNode* node(std::uint32_t level, std::uint32_t place) override {
+    return &levels_[level].nodes[place];
+  }
   const std::byte* piece(std::uint32_t level, std::uint32_t place, Piece piece) override {
     return levels_[level].pieces[static_cast<int>(piece)][place].data();
   }

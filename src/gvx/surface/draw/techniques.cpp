@@ -48,7 +48,8 @@ void splat_samples(const DrawnSamples& drawn, TileHits& hits) {
         if (!(middle.z + reach.z > 0)) continue;
         PixelRect rect = drawn.part;
         if (middle.z - reach.z > 0 || drawn.film.orthographic) {
-          const double width = drawn.film.width_at(middle.z - reach.z), far = drawn.film.width_at(middle.z + reach.z);
+          const double width = drawn.film.width_at(middle.z - reach.z),
+                       far = drawn.film.width_at(middle.z + reach.z);
           const auto least = [&](double low) { return low / (low < 0 ? width : far); };
           const auto most = [&](double high) { return high / (high > 0 ? width : far); };
           const double x = drawn.film.half_width - 0.5, y0 = drawn.film.half_height - 0.5;

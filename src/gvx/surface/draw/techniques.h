@@ -27,9 +27,9 @@ struct DrawnSamples {
   const FilmPlane& film;
   const PlacedBrick& placed;
   const SurfaceBrickView& brick;
-  std::uint32_t number;  ///< of the brick
-  PixelRect part;        ///< of the tile, that the brick may be seen in
-  double nearest = 0;    ///< the depth that the brick begins at, or less
+  std::uint32_t number;                         ///< of the brick
+  PixelRect part;                               ///< of the tile, that the brick may be seen in
+  double nearest = 0;                           ///< the depth that the brick begins at, or less
   Box3d box{{0, 0, 0}, Vec3d(double(kCells))};  ///< that its samples are in, in cells
 };
 struct DrawnTriangles {

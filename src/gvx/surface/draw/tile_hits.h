@@ -54,7 +54,8 @@ struct TileHits {
     if (at == depth[pixel]) {
       const std::uint32_t other = brick[pixel];
       if (other == kNothing) return;  // infinitely far
-      const bool before = keys[of_brick] != keys[other] ? keys[of_brick] < keys[other] : of_item < item[pixel];
+      const bool before =
+          keys[of_brick] != keys[other] ? keys[of_brick] < keys[other] : of_item < item[pixel];
       if (!before) return;
     }
     depth[pixel] = at;
