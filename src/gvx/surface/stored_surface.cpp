@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstring>
 #include <string>
-#include <tuple>
 #include <utility>
 
 namespace gvx::surface {
@@ -53,9 +52,11 @@ Result<std::vector<Vec3d>> outline_of(const SurfaceReader& reader) {
   }
   std::vector<Vec3d> outline;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const auto& [low, high] = std::tie(nodes[i].low, nodes[i].high);
+    const SurfaceNode& node = nodes[i];
     for (int c = 0; c < 8; ++c) {
-      const auto along = [&](int axis) { return double((c >> axis & 1) != 0 ? high[axis] + 1 : low[axis]); };
+      const auto along = [&](int axis) {
+        return double((c >> axis & 1) != 0 ? node.high[axis] + 1 : node.low[axis]);
+      };
       const Vec3d cells = double(kCells) * corner(keys[i]) + Vec3d(along(0), along(1), along(2));
       outline.push_back(cells / (kCells * nodes_across(2, keys[i].level)));
     }

@@ -38,7 +38,8 @@ struct TileHits {
   std::uint32_t item[kPixels];   ///< of the brick: a packed cell, or the number of a triangle
 
   std::size_t index(std::int32_t x, std::int32_t y) const {
-    return static_cast<std::size_t>((y - rect.y0) * kEdge + (x - rect.x0));
+    const std::int32_t at = (y - rect.y0) * kEdge + (x - rect.x0);
+    return static_cast<std::size_t>(at);
   }
   void clear(const PixelRect& of_film, const std::uint64_t* of_bricks) {
     rect = of_film;
