@@ -113,8 +113,8 @@ std::uint64_t EmbreePeer::bytes() const {
   return static_cast<std::uint64_t>(scene_->bytes.load());
 }
 
-std::vector<PeerPixel> EmbreePeer::draw(const surface::SurfaceView& view) const {
-  std::vector<PeerPixel> pixels(std::size_t{view.width} * view.height);
+void EmbreePeer::draw(const surface::SurfaceView& view, std::vector<PeerPixel>& pixels) const {
+  pixels.assign(std::size_t{view.width} * view.height, {});
   const surface::SurfaceLight light(view.lighting, view.camera, {});
   constexpr std::uint32_t kTile = 32;
   const exec::TileGrid grid{view.width, view.height, kTile};
@@ -127,7 +127,6 @@ std::vector<PeerPixel> EmbreePeer::draw(const surface::SurfaceView& view) const 
       }
     }
   });
-  return pixels;
 }
 
 #else
@@ -143,9 +142,7 @@ double EmbreePeer::build_seconds() const {
 std::uint64_t EmbreePeer::bytes() const {
   return 0;
 }
-std::vector<PeerPixel> EmbreePeer::draw(const surface::SurfaceView&) const {
-  return {};
-}
+void EmbreePeer::draw(const surface::SurfaceView&, std::vector<PeerPixel>&) const {}
 
 #endif
 

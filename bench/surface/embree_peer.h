@@ -32,7 +32,7 @@ class EmbreePeer {
   double build_seconds() const;
   /// What Embree holds now, the mesh left out.
   std::uint64_t bytes() const;
-  std::vector<PeerPixel> draw(const surface::SurfaceView& view) const;
+  void draw(const surface::SurfaceView& view, std::vector<PeerPixel>& pixels) const;
 
  private:
   struct Scene;

@@ -6,7 +6,8 @@
 //     gvx_bench_surface OUT.json [--mesh FILE] [--triangles MILLIONS,...] [--threads N] [--repeats N]
 //                       [--size WIDTHxHEIGHT] [--only VIEW] [--method NAME] [--scratch FOLDER]
 //
-// Without a mesh file it is a bumpy sphere. A method's time is that of a whole picture, its memory included.
+// Without a mesh file it is a bumpy sphere. A method's time is that of a whole picture, in memory
+// that is there. Embree's hits are shaded one by one, the renderer's in vectors.
 
 #include <algorithm>
 #include <chrono>
@@ -73,15 +74,14 @@ const Method kMethods[] = {{"hybrid", {}},
                            {"cast", surface::Technique::cast},
                            {"splat", surface::Technique::splat}};
 
-std::unique_ptr<surface::SurfaceDrawing> draw(const exec::Device& cpu, const surface::SurfaceView& view,
-                                              const surface::SurfaceInstance& instance) {
-  auto drawing = std::make_unique<surface::SurfaceDrawing>(cpu, view, std::span(&instance, 1));
+void draw(surface::SurfaceDrawing& drawing, const surface::SurfaceView& view,
+          const surface::SurfaceInstance& instance) {
+  drawing.see(view, std::span(&instance, 1));
   constexpr int kMostRounds = 1000;
-  for (int round = 0; !drawing->complete(); ++round) {
+  for (int round = 0; !drawing.complete(); ++round) {
     GVX_CHECK(round < kMostRounds);
-    (void)drawing->advance();
+    (void)drawing.advance();
   }
-  return drawing;
 }
 
 surface::SurfaceView view_of(const Request& request, const scene::Camera& camera) {
@@ -175,11 +175,14 @@ nlohmann::json measure_view(const Request& request, const exec::Device& cpu, Sce
   const surface::SurfaceInstance instance = scene.whole->instance();
   nlohmann::json figures = {{"name", name}};
   std::map<std::string, std::vector<double>> times;
-  std::vector<PeerPixel> reference;
+  // Of all pictures but the first the memory is there.
+  std::vector<PeerPixel> reference(std::size_t{request.width} * request.height);
+  surface::SurfaceDrawing drawing(cpu, view, std::span(&instance, 1));
+  draw(drawing, view, instance);
   for (int repeat = 0; repeat < request.repeats; ++repeat) {
     if (scene.embree != nullptr) {
       const auto start = Clock::now();
-      reference = scene.embree->draw(view);
+      scene.embree->draw(view, reference);
       times["embree"].push_back(1e3 * seconds_since(start));
     }
     for (const Method& method : kMethods) {
@@ -187,10 +190,10 @@ nlohmann::json measure_view(const Request& request, const exec::Device& cpu, Sce
       surface::SurfaceView of_method = view;
       of_method.only = method.only;
       const auto start = Clock::now();
-      const auto drawing = draw(cpu, of_method, instance);
+      draw(drawing, of_method, instance);
       times[method.name].push_back(1e3 * seconds_since(start));
       if (repeat + 1 < request.repeats) continue;
-      const surface::SurfaceCounts& counts = drawing->counts();
+      const surface::SurfaceCounts& counts = drawing.counts();
       nlohmann::json& of = figures["methods"][method.name];
       of = {{"cast_bricks", counts.bricks[0]},
             {"splatted_bricks", counts.bricks[1]},
@@ -200,12 +203,13 @@ nlohmann::json measure_view(const Request& request, const exec::Device& cpu, Sce
             {"triangles", counts.triangles},
             {"bytes", counts.bytes}};
       if (!reference.empty())
-        of["against_embree"] = to_json(differences(drawing->film(), reference, scene.cell_world));
+        of["against_embree"] = to_json(differences(drawing.film(), reference, scene.cell_world));
       if (method.only) continue;
       std::uint64_t covered = 0;
-      const surface::SurfaceFilmView film = drawing->film();
-      for (std::size_t i = 0; i < std::size_t{film.width} * film.height; ++i)
-        covered += film.pixels[i].seen() ? 1 : 0;
+      const surface::SurfaceFilmView film = drawing.film();
+      for (std::uint32_t y = 0; y < film.height; ++y) {
+        for (std::uint32_t x = 0; x < film.width; ++x) covered += film.at(x, y).seen() ? 1 : 0;
+      }
       const std::uint64_t triangles = triangles_in_view(scene.model, view);
       figures["pixels_covered"] = covered;
       figures["triangles_in_view"] = triangles;
@@ -293,7 +297,10 @@ nlohmann::json measure(const Request& request, double millions) {
   print_model(scene);
   const scene::Camera fits = camera_that_fits(scene.model, double(request.width) / request.height);
   const surface::SurfaceView fitting = view_of(request, fits);
-  const Vec3d place = place_in_middle(fitting, draw(cpu, fitting, scene.whole->instance())->film());
+  const surface::SurfaceInstance instance = scene.whole->instance();
+  surface::SurfaceDrawing drawing(cpu, fitting, std::span(&instance, 1));
+  draw(drawing, fitting, instance);
+  const Vec3d place = place_in_middle(fitting, drawing.film());
   const std::pair<const char*, scene::Camera> cameras[] = {
       {"fits", fits},
       {"far", camera_far(fits)},
