@@ -198,7 +198,10 @@ void SurfaceDrawing::draw(std::vector<Drawn>& bricks) {
   // What colours are there is shaded at once.
   std::vector<SeenBrick> seen(cut.size());
   std::vector<LackingElement> ignored;
-  for (const Drawn& drawn : bricks) seen[drawn.number] = look_up(cut[drawn.number], ignored);
+  for (const Drawn& drawn : bricks) {
+    seen[drawn.number] = look_up(cut[drawn.number], ignored);
+    count_colors(cut[drawn.number], seen[drawn.number]);
+  }
   const RowShading rows = row_shading(seen);
   exec::parallel_for(cpu_, of_tiles.size(), [&](std::size_t tile) {
     if (of_tiles[tile].empty()) return;
@@ -297,6 +300,10 @@ SeenBrick SurfaceDrawing::look_up(const CutBrick& brick, std::vector<LackingElem
   return seen;
 }
 
+void SurfaceDrawing::count_colors(const CutBrick& brick, const SeenBrick& seen) {
+  if (seen.there && !seen.by_triangles) counts_.bytes += piece_bytes(brick.node, Piece::attributes);
+}
+
 RowShading SurfaceDrawing::row_shading(std::span<const SeenBrick> seen) const {
   RowShading rows;
   rows.film = cut_.camera().film;
@@ -370,7 +377,9 @@ std::vector<LackingElement> SurfaceDrawing::shade() {
   std::vector<SeenBrick> seen(wanted.size());
   std::vector<LackingElement> lacking;
   for (std::uint32_t i = 0; i < wanted.size(); ++i) {
-    if (wanted[i] != 0) seen[i] = look_up(cut_.bricks()[i], lacking);
+    if (wanted[i] == 0) continue;
+    seen[i] = look_up(cut_.bricks()[i], lacking);
+    count_colors(cut_.bricks()[i], seen[i]);
   }
   const RowShading rows = row_shading(seen);
   for_unshaded([&](std::size_t tile, const PixelRect& rect) {

@@ -89,6 +89,7 @@ class SurfaceDrawing {
     }
   }
   SeenBrick look_up(const CutBrick& brick, std::vector<LackingElement>& lacking) const;
+  void count_colors(const CutBrick& brick, const SeenBrick& seen);
   RowShading row_shading(std::span<const SeenBrick> seen) const;
   void shade_row_plainly(const RowShading& rows, SurfacePixel* row, std::uint32_t y, std::uint32_t x0,
                          std::uint32_t x1) const;
