@@ -323,6 +323,22 @@ TEST(SurfaceDrawing, what_is_hidden_is_not_asked_for) {
   EXPECT_TRUE(colors_asked.empty()) << "the plate is drawn as triangles, and all else is behind it";
 }
 
+TEST(SurfaceDrawing, is_seen_from_within_too) {
+  const io::TriangleMesh mesh = bumpy_ball(5);
+  if (const auto made = MeshQuery::create(mesh); !made.ok()) GTEST_SKIP() << made.error().message;
+  const auto whole = surface_of(mesh);
+  for (const bool plain : {false, true}) {
+    SurfaceView view = view_from({0.3, 0.2, -0.1}, 96, 72, 90);
+    view.plain = plain;
+    const auto pixels = drawn(view, *whole);
+    const std::vector<float> depths = depths_by_rays(mesh, view);
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      ASSERT_TRUE(pixels[i].seen());
+      EXPECT_NEAR(pixels[i].place, depths[i], 0.01);
+    }
+  }
+}
+
 TEST(SurfaceDrawing, instances_stand_before_each_other_as_they_should) {
   const auto whole = surface_of(bumpy_ball(5));
   std::vector<surface::SurfaceInstance> instances;

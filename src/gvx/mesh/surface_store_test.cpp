@@ -186,6 +186,16 @@ TEST_F(SurfaceStore, bytes_that_are_made_up_do_no_harm_with_their_checksums_mend
   }
 }
 
+TEST_F(SurfaceStore, one_face_a_hundred_thousand_times_is_sound) {
+  io::TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.triangles.assign(100000, {0, 1, 2});
+  build(mesh);
+  const auto verified = surface::verify_surface(path_, {});
+  ASSERT_TRUE(verified.ok()) << verified.error().message;
+  EXPECT_GE(verified.value().triangles, 1u);
+}
+
 TEST_F(SurfaceStore, thin_and_tiny_parts_do_not_get_lost) {
   // A needle that no line meets, far from a ball whose triangles say how large cells are.
   io::TriangleMesh mesh = sphere_mesh({}, 1, 4);

@@ -153,8 +153,8 @@ Status SurfaceReader::check_node(const SurfaceNode& node, std::uint32_t level) c
   for (int piece = 0; piece < kPieces; ++piece) {
     const std::uint64_t raw = piece_bytes(node, static_cast<Piece>(piece));
     if ((raw == 0) != (node.bytes[piece] == 0)) return wrong("pieces are not those that it names");
-    // No codec makes more than some hundreds of bytes of one.
-    constexpr std::uint64_t kMostRatio = 1 << 12;
+    // zstd makes at most a block of 128 KiB of four bytes.
+    constexpr std::uint64_t kMostRatio = 1 << 16;
     if (raw > kMostPieceBytes || raw > kMostRatio * node.bytes[piece]) return wrong("size is absurd");
     end += node.bytes[piece];
   }

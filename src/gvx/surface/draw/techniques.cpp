@@ -80,6 +80,7 @@ void rasterise_one(const DrawnTriangles& drawn, std::uint32_t triangle, TileHits
   const FilmPlane& film = drawn.film;
   const SeenTriangle seen(drawn.placed, drawn.triangles, triangle);
   const auto& corner = seen.corner;
+  if (!(std::max({corner[0].z, corner[1].z, corner[2].z}) > 0)) return;  // behind the eye
   PixelRect rect = drawn.part;
   if (film.orthographic || std::min({corner[0].z, corner[1].z, corner[2].z}) > 0) {
     Vec3d x, y;
