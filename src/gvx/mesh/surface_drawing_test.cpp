@@ -252,7 +252,14 @@ class PartlyThere final : public surface::ResidentSurface {
 };
 
 TEST(SurfaceDrawing, is_the_same_bits_whatever_comes_when_on_any_number_of_threads) {
-  const auto whole = surface_of(bumpy_ball(6));
+  io::TriangleMesh mesh = bumpy_ball(6);
+  // Faces that reach through many bricks, and through the ball.
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(),
+                       {{-2, -1, -1}, {2, -0.8f, -0.9f}, {1.5f, 1, 1.2f}, {-1.8f, 1.1f, 0.8f}});
+  mesh.colors.insert(mesh.colors.end(), 4, {0.9f, 0.8f, 0.2f});
+  mesh.triangles.insert(mesh.triangles.end(), {{first, first + 1, first + 2}, {first, first + 2, first + 3}});
+  const auto whole = surface_of(mesh);
   const SurfaceView view = view_from({1.1, -2.1, 0.8});
   const auto expected = drawn(view, *whole, 1);
   for (std::uint32_t seed = 0; seed < 6; ++seed) {

@@ -11,36 +11,60 @@
 #include "gvx/surface/surface_pieces.h"
 
 namespace gvx::surface {
-namespace {
-
-/// The cells of a brick that its samples, or the inner parts of its triangles, are in.
-void set_bounds(SurfaceNode& node, const CellSet& cells) {
-  int low[3] = {kCells, kCells, kCells}, high[3] = {-1, -1, -1};
-  const auto columns = cells.columns(2);
-  for (int y = 0; y < kCells; ++y) {
-    for (int x = 0; x < kCells; ++x) {
-      const std::uint32_t column = columns[static_cast<std::size_t>(column_at(x, y))];
-      if (column == 0) continue;
-      const int first[3] = {x, y, lowest_bit(column)}, last[3] = {x, y, highest_bit(column)};
-      for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = std::min(low[axis], first[axis]);
-        high[axis] = std::max(high[axis], last[axis]);
-      }
-    }
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    node.low[axis] = static_cast<std::uint8_t>(low[axis]);
-    node.high[axis] = static_cast<std::uint8_t>(high[axis]);
-  }
-}
-
-}  // namespace
 
 Result<std::unique_ptr<SurfaceWriter>> SurfaceWriter::create(const std::string& path, std::uint32_t levels,
                                                              store::Codec codec) {
   GVX_CHECK(levels > 0 && levels <= kMostSurfaceLevels);
   GVX_ASSIGN(PartialFile file, PartialFile::create(path));
   return std::unique_ptr<SurfaceWriter>(new SurfaceWriter(std::move(file), levels, codec));
+}
+
+void SurfaceWriter::Bounds::add(int axis, int first, int last) {
+  low[axis] = std::min(low[axis], first);
+  high[axis] = std::max(high[axis], last);
+}
+
+/// Of its samples, of its triangles as far as they are in the brick, and of the bricks below it, which are
+/// the last of their level: triangles may lie where no sample is.
+SurfaceWriter::Bounds SurfaceWriter::bounds_of(const SurfacePyramid::Made& brick) {
+  Bounds bounds;
+  const auto columns = brick.samples.cells().columns(2);
+  for (int y = 0; y < kCells; ++y) {
+    for (int x = 0; x < kCells; ++x) {
+      const std::uint32_t column = columns[static_cast<std::size_t>(column_at(x, y))];
+      if (column == 0) continue;
+      bounds.add(0, x, x);
+      bounds.add(1, y, y);
+      bounds.add(2, lowest_bit(column), highest_bit(column));
+    }
+  }
+  if (brick.triangles != nullptr) {
+    brick.triangles->for_each([&](const std::array<TriangleVertex, 3>& triangle) {
+      int first[3], last[3];
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto [least, most] =
+            std::minmax({triangle[0].place[axis], triangle[1].place[axis], triangle[2].place[axis]});
+        constexpr int kMost = kCells * kCellParts - 1;
+        if (most < 0 || least > kMost) return;
+        first[axis] = std::max(least, 0) / kCellParts;
+        last[axis] = std::min(most, kMost) / kCellParts;
+      }
+      for (int axis = 0; axis < 3; ++axis) bounds.add(axis, first[axis], last[axis]);
+    });
+  }
+  if (brick.children == 0) return bounds;
+  std::vector<Bounds>& below = levels_.at(brick.key.level + 1).without_parent;
+  auto child = below.end() - bits_in(brick.children);
+  for (int octant = 0; octant < 8; ++octant) {
+    if ((brick.children >> octant & 1) == 0) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int corner = (octant >> axis & 1) * kCells;
+      bounds.add(axis, (corner + child->low[axis]) / 2, (corner + child->high[axis]) / 2);
+    }
+    ++child;
+  }
+  below.resize(below.size() - static_cast<std::size_t>(bits_in(brick.children)));
+  return bounds;
 }
 
 SurfaceWriter::SurfaceWriter(PartialFile file, std::uint32_t levels, store::Codec codec)
@@ -88,7 +112,12 @@ Status SurfaceWriter::add(const SurfacePyramid::Made& brick) {
     return Error{file_.partial_path() + ": a level has too many bricks"};
   }
   SurfaceNode node;
-  set_bounds(node, brick.samples.cells());
+  const Bounds bounds = bounds_of(brick);
+  for (int axis = 0; axis < 3; ++axis) {
+    node.low[axis] = static_cast<std::uint8_t>(bounds.low[axis]);
+    node.high[axis] = static_cast<std::uint8_t>(bounds.high[axis]);
+  }
+  level.without_parent.push_back(bounds);
   node.children = brick.children;
   // Its children were the last to be added to their level.
   if (brick.children != 0) {

@@ -52,13 +52,21 @@ class SurfaceWriter {
   std::uint64_t samples() const { return samples_; }
 
  private:
+  /// The cells that some of a surface is in, along each axis.
+  struct Bounds {
+    int low[3] = {kCells, kCells, kCells}, high[3] = {-1, -1, -1};
+
+    void add(int axis, int first, int last);
+  };
   struct Level {
     std::uint64_t nodes = 0;
-    std::vector<SurfaceNode> page;  // the last nodes, that are not written yet
+    std::vector<Bounds> without_parent;  // of the last nodes
+    std::vector<SurfaceNode> page;       // the last nodes, that are not written yet
     std::vector<store::BlockRef> pages;
   };
 
   SurfaceWriter(PartialFile file, std::uint32_t levels, store::Codec codec);
+  Bounds bounds_of(const SurfacePyramid::Made& brick);
   Status add_pieces(SurfaceNode& node, const SurfacePyramid::Made& brick);
   Status add_piece(SurfaceNode& node, Piece piece, store::BlockLayout layout, std::span<const std::byte> raw);
   Status end_page(Level& level);

@@ -88,6 +88,14 @@ class TriangleList {
   std::uint32_t vertices() const { return static_cast<std::uint32_t>(vertices_.size()); }
   std::uint32_t triangles() const { return static_cast<std::uint32_t>(corners_.size()); }
   bool wide() const { return wide_; }
+  /// Calls function(corners) for each triangle.
+  template <typename Function>
+  void for_each(const Function& function) const {
+    for (const auto& corners : corners_) {
+      function(
+          std::array<TriangleVertex, 3>{vertices_[corners[0]], vertices_[corners[1]], vertices_[corners[2]]});
+    }
+  }
   std::vector<std::byte> bytes() const;
 
  private:

@@ -24,10 +24,13 @@ PlacedBrick::Seen seen_of(const FilmPlane& film, const Affine3& to_camera, const
   const double widest =
       std::max({length(to_camera.column[0]), length(to_camera.column[1]), length(to_camera.column[2])});
   const bool around_eye = !(seen.nearest > 0);
-  seen.nearest = std::max(seen.nearest, 0.0);
+  const double begins = std::max(seen.nearest, 0.0);
+  double cell_depth = 0;
+  for (const Vec3d& column : to_camera.column) cell_depth += std::fabs(column.z);
+  seen.nearest = std::max(seen.nearest - cell_depth, 0.0);
   seen.cell_pixels = film.orthographic ? widest / film.pixel
                      : around_eye      ? INFINITY
-                                       : widest / film.width_at(seen.nearest);
+                                       : widest / film.width_at(begins);
   const auto whole = [](double pixel, std::uint32_t most) {
     return static_cast<std::int32_t>(std::clamp(pixel, 0.0, double(most)));
   };

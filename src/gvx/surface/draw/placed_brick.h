@@ -72,7 +72,9 @@ struct PlacedBrick {
   /// A box of cells, as the film sees it: which pixels its rays may meet, and between which depths.
   struct Seen {
     PixelRect rect;
-    double nearest = 0, farthest = 0;
+    /// A cell before the box begins: nothing that the brick shows is nearer.
+    double nearest = 0;
+    double farthest = 0;
     /// The most that a cell may be wide, in pixels.
     double cell_pixels = 0;
   };

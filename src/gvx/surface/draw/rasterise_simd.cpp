@@ -90,8 +90,8 @@ class Rasteriser {
     for (int axis = 0; axis < 3; ++axis) row(axis, rows[axis]);
     const FilmPlane& film = drawn_.film;
     const auto per_pixel = static_cast<float>(1 / film.pixel);
-    const auto x0 = static_cast<float>(film.half_width - 0.5 - drawn_.part.x0),
-               y0 = static_cast<float>(film.half_height - 0.5 - drawn_.part.y0);
+    const auto x0 = static_cast<float>(film.half_width - 0.5 - hits_.rect.x0),
+               y0 = static_cast<float>(film.half_height - 0.5 - hits_.rect.y0);
     alignas(64) float place[3][hn::MaxLanes(kFloats)];
     for (std::size_t first = 0; first < list.vertices; first += lanes) {
       const std::size_t count = std::min<std::size_t>(lanes, list.vertices - first);
@@ -127,7 +127,9 @@ class Rasteriser {
     const TriangleListView& list = drawn_.triangles;
     const std::byte* corners =
         list.bytes + list.vertices * (TriangleListView::place_bytes(list.wide) + sizeof(SampleAttributes));
-    const std::int32_t width = drawn_.part.x1 - drawn_.part.x0, height = drawn_.part.y1 - drawn_.part.y0;
+    // Pixels that may be drawn into, from the tile's first on.
+    const PixelRect part{drawn_.part.x0 - hits_.rect.x0, drawn_.part.y0 - hits_.rect.y0,
+                         drawn_.part.x1 - hits_.rect.x0, drawn_.part.y1 - hits_.rect.y0};
     const std::int32_t* const x = vertices_->x.data();
     const std::int32_t* const y = vertices_->y.data();
     for (std::uint32_t triangle = 0; triangle < list.triangles; ++triangle) {
@@ -140,10 +142,10 @@ class Rasteriser {
         continue;
       }
       // Pixels whose middles may be covered.
-      const std::int32_t x0 = std::max((low_x + kParts - 1) >> kPartBits, 0),
-                         x1 = std::min(std::max({ax, bx, cx}) >> kPartBits, width - 1),
-                         y0 = std::max((low_y + kParts - 1) >> kPartBits, 0),
-                         y1 = std::min(std::max({ay, by, cy}) >> kPartBits, height - 1);
+      const std::int32_t x0 = std::max((low_x + kParts - 1) >> kPartBits, part.x0),
+                         x1 = std::min(std::max({ax, bx, cx}) >> kPartBits, part.x1 - 1),
+                         y0 = std::max((low_y + kParts - 1) >> kPartBits, part.y0),
+                         y1 = std::min(std::max({ay, by, cy}) >> kPartBits, part.y1 - 1);
       if (x0 > x1 || y0 > y1) continue;
       const std::int64_t area = std::int64_t{bx - ax} * (cy - ay) - std::int64_t{cx - ax} * (by - ay);
       if (area == 0) continue;
@@ -172,6 +174,7 @@ class Rasteriser {
     }
     const float over_area = 1.0f / static_cast<float>(side * c.area);
     const float w0 = vertices_->w[v[0]], w1 = vertices_->w[v[1]], w2 = vertices_->w[v[2]];
+    const auto nearest = static_cast<float>(drawn_.nearest);
     const float least = std::min({w0, w1, w2}), most = std::max({w0, w1, w2});
     for (std::int32_t y = rect.y0; y < rect.y1; ++y) {
       std::int64_t a = at[0], b = at[1], d = at[2];
@@ -183,7 +186,8 @@ class Rasteriser {
               over_area;
           const float w = std::min(std::max(mixed, least), most);
           const float depth = drawn_.film.orthographic ? w : 1 / w;
-          if (depth > 0) hits_.put(row + static_cast<std::size_t>(x), depth, drawn_.number, triangle);
+          if (depth > 0 && depth >= nearest)
+            hits_.put(row + static_cast<std::size_t>(x), depth, drawn_.number, triangle);
         }
         a += per_x[0], b += per_x[1], d += per_x[2];
       }

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <map>
-#include <mutex>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -54,7 +53,7 @@ void SurfaceDrawing::see(const SurfaceView& view, std::span<const SurfaceInstanc
 
 void SurfaceDrawing::clear() {
   pixels_.resize(std::size_t{view_.width} * view_.height);
-  tiles_.assign(grid_.tiles(), 0);
+  tiles_.assign(grid_.tiles(), kBlank);
   blocks_x_ = (view_.width + kBlock - 1) / kBlock;
   const std::uint32_t blocks_y = (view_.height + kBlock - 1) / kBlock;
   farthest_.assign(std::size_t{blocks_x_} * blocks_y, std::numeric_limits<float>::infinity());
@@ -237,7 +236,7 @@ void SurfaceDrawing::draw_tile(const PixelRect& rect, bool blank, std::span<cons
     if (brick.technique == Technique::rasterise) {
       const TriangleListView triangles =
           triangle_view(brick.node, drawn.pieces[static_cast<int>(Piece::triangles)]);
-      const DrawnTriangles what{film, drawn.placed, triangles, drawn.number, rect};
+      const DrawnTriangles what{film, drawn.placed, triangles, drawn.number, part, brick.seen.nearest};
       if (view_.plain) {
         rasterise(what, hits);
       } else {

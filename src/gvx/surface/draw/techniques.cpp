@@ -93,7 +93,7 @@ void rasterise_one(const DrawnTriangles& drawn, std::uint32_t triangle, TileHits
     for (std::int32_t px = rect.x0; px < rect.x1; ++px) {
       Vec3d weight;
       double depth = 0;
-      if (!seen.meets(film.ray(px, py), film.orthographic, weight, depth)) continue;
+      if (!seen.meets(film.ray(px, py), film.orthographic, weight, depth) || depth < drawn.nearest) continue;
       hits.put(hits.index(px, py), static_cast<float>(depth), drawn.number, triangle);
     }
   }

@@ -38,11 +38,12 @@ struct DrawnTriangles {
   const TriangleListView& triangles;
   std::uint32_t number;
   PixelRect part;
+  double nearest = 0;  ///< what is nearer is other bricks' to show
 };
 
 void cast_samples(const DrawnSamples& drawn, TileHits& hits);
 void splat_samples(const DrawnSamples& drawn, TileHits& hits);
-/// `part` is the tile's: triangles reach beyond their brick.
+/// What of triangles lies beyond the brick's pixels, or before it, is left to the bricks that it is in.
 void rasterise(const DrawnTriangles& drawn, TileHits& hits);
 /// One of them.
 void rasterise_one(const DrawnTriangles& drawn, std::uint32_t triangle, TileHits& hits);
