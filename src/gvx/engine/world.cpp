@@ -14,7 +14,10 @@ Result<std::shared_ptr<const World>> World::make(std::vector<Object> objects) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const std::string name = "objects[" + std::to_string(i) + "]";
     const bool is_surface = objects[i].surface != nullptr;
-    if (is_surface == (objects[i].volume != nullptr)) return Error{name + ": expected a volume or a surface"};
+    if (!is_surface && objects[i].volume == nullptr) return Error{name + ": no volume"};
+    if (is_surface && objects[i].volume != nullptr) {
+      return Error{name + ": expected a volume or a surface, found both"};
+    }
     const tree::TreeDescription& tree = is_surface ? objects[i].surface->tree() : objects[i].volume->tree();
     const Affine3 place = objects[i].transform * tree.tree_to_world;
     if (!check_placement(place).ok()) return Error{name + ".transform: it has no usable inverse"};
