@@ -13,11 +13,12 @@ set(public_headers
   io/image.h io/label_table_file.h io/mesh.h io/mesh_parts.h io/raw.h io/store_build.h io/transfer_function_file.h io/volume_reader.h
   open/file_names.h open/functions.h open/nothing_seen.h open/open_scene.h
   produce/amplify_producer.h produce/deeper_producer.h produce/field_kernels.h produce/field_producer.h produce/hypertexture.h
-  mesh/mesh_distance.h mesh/mesh_proxy.h mesh/mesh_voxels.h
+  mesh/mesh_distance.h mesh/mesh_proxy.h mesh/mesh_voxels.h mesh/surface_store.h
   produce/kernel_producer.h produce/repeat_producer.h produce/sampled_bounds.h
   produce/sponge_producer.h produce/store_producer.h produce/terrain.h
   scene/camera_matrices.h scene/camera_path.h scene/label_table.h scene/scene_file.h scene/transfer_presets.h
-  store/store_reader.h store/store_writer.h store/verify.h)
+  store/store_reader.h store/store_writer.h store/verify.h
+  surface/stored_surface.h surface/surface_reader.h)
 install(CODE "
   set(GVX_HEADERS_FROM \"${PROJECT_SOURCE_DIR}/src/gvx\")
   set(GVX_HEADERS_TO \"${CMAKE_INSTALL_INCLUDEDIR}\")
