@@ -554,6 +554,12 @@ Statistics Viewer::statistics() const {
   s.converged = converged();
   const double wanted = static_cast<double>(std::max<std::uint64_t>(totals.wanted, 1));
   s.resident_share = s.converged ? 1.0 : static_cast<double>(totals.resident) / wanted;
+  if (surfaces_ && !surfaces_->complete()) {
+    // Of bricks that are drawn, and elements that are missing.
+    const auto drawn = static_cast<double>(surfaces_->counts().drawn());
+    const double share = drawn / std::max(drawn + static_cast<double>(lacking_of_surfaces_.size()), 1.0);
+    s.resident_share = has_volumes() ? std::min(s.resident_share, share) : share;
+  }
   s.worst_lack = s.converged ? 0 : totals.worst_lack;
   s.peak_memory_bytes = peak_memory_bytes();
   s.stages = {.reading = times.reading_milliseconds,
