@@ -60,6 +60,9 @@ TEST_F(SurfaceProgram, builds_describes_verifies_and_renders) {
     if (!fs::exists(path("first.png"))) fs::copy_file(path("a.png"), path("first.png"));
     EXPECT_EQ(shell("cmp '" + path("a.png") + "' '" + path("first.png") + "'").status, 0) << flags;
   }
+  ASSERT_EQ(gvx("render waves.gvx -o a.png --size 200x150 --save-scene saved.json --quiet").status, 0);
+  ASSERT_EQ(gvx("render saved.json -o a.png --quiet").status, 0);
+  EXPECT_EQ(shell("cmp '" + path("a.png") + "' '" + path("first.png") + "'").status, 0);
   // The mesh itself looks the same.
   EXPECT_EQ(gvx("render waves.ply -o b.png --size 200x150 --up z --quiet").status, 0);
   const auto store = io::read_png(path("first.png")).value(), mesh = io::read_png(path("b.png")).value();
@@ -108,6 +111,8 @@ TEST_F(SurfaceProgram, says_what_does_not_go_together) {
   expect_error("render repeat:waves.gvx -o a.png", "surface");
   expect_error("render waves.gvx -o a.png --proxy nodes", "no voxels");
   expect_error("render waves.gvx -o a.png --memory 500", "memory");
+  expect_error("build waves.ply -o a.gvx --memory 1K", "--memory");
+  expect_error("render waves.gvx -o a.png --camera 'eye=1e7,1e7,1e7;target=2,2,0;height=4'", "camera");
   EXPECT_FALSE(fs::exists(path("a.png")));
   EXPECT_FALSE(fs::exists(path("a.gvx")));
   const Outcome voxels = gvx("build waves.ply -o voxels.gvx --as voxels --resolution 40");

@@ -1,6 +1,9 @@
 #include "gvx/engine/seen_surfaces.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "gvx/core/box_parts.h"
 
 namespace gvx::engine {
 namespace {
@@ -34,6 +37,29 @@ std::vector<surface::SurfaceInstance> instances_of(const World& world, const ren
 }
 
 }  // namespace
+
+Status check_distance(const render::FilmView& film, const World& world) {
+  constexpr double kRounding = 6e-8, kMostOfPixel = 0.1;
+  const Affine3 to_camera = surface::world_to_camera(film.camera);
+  const surface::FilmPlane plane(film.camera, film.width, film.height);
+  for (const std::size_t object : world.surfaces()) {
+    const tree::TreeDescription& tree = world.tree(object);
+    double nearest = INFINITY, farthest = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3d place = tree.tree_to_world.point(box_corner(tree.bounds.value_or(tree.extent), corner));
+      const double depth = to_camera.point(place).z;
+      nearest = std::min(nearest, depth), farthest = std::max(farthest, depth);
+    }
+    if (!(nearest > 0) || world.out_of_sight(object, film.camera)) continue;
+    if (farthest * kRounding > kMostOfPixel * plane.width_at(nearest)) {
+      return Error{
+          "camera: it is so far away that surfaces cannot be told apart by their depths; expected an eye "
+          "that is "
+          "nearer, or a wider angle"};
+    }
+  }
+  return {};
+}
 
 SeenSurfaces::SeenSurfaces(const exec::Device& cpu, const render::View& view, const render::FilmView& film,
                            const World& world)

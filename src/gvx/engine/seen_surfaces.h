@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "gvx/core/result.h"
 #include "gvx/engine/cache.h"
 #include "gvx/engine/world.h"
 #include "gvx/exec/device.h"
@@ -13,6 +14,10 @@
 #include "gvx/surface/draw/surface_drawing.h"
 
 namespace gvx::engine {
+
+/// An error where a camera is so far away, for its angle, that depths of surfaces are rounded by more than
+/// about a tenth of a pixel's width: which is before which could not be told.
+Status check_distance(const render::FilmView& film, const World& world);
 
 class SeenSurfaces {
  public:

@@ -60,6 +60,7 @@ Status Viewer::look(const render::View& view, std::shared_ptr<const World> world
   GVX_TRY(render::check_objects(cache_->device(), world->objects().size(), world->projecting()));
   if (view_ && *view_ == view && seen_.shared_world() == world) return {};
   GVX_ASSIGN(auto frames, WorldFrames::make(cache_->device(), view, *world, frames_ ? &*frames_ : nullptr));
+  GVX_TRY(check_distance(frames.film(), *world));
   const bool other_size = !view_ || view_->width != view.width || view_->height != view.height ||
                           view_->antialias != view.antialias ||
                           world->projecting() != this->world().projecting();

@@ -186,6 +186,23 @@ TEST_F(SurfaceStore, bytes_that_are_made_up_do_no_harm_with_their_checksums_mend
   }
 }
 
+TEST_F(SurfaceStore, bounds_of_nodes_hold_triangles_where_there_is_no_sample) {
+  io::TriangleMesh one;
+  one.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  one.triangles = {{0, 1, 2}};
+  build(one);
+  const auto reader = SurfaceReader::open(path_).value();
+  const auto page = reader->read_page(0, 0).value();
+  const Affine3 to_cells = inverse(reader->info().cells_to_world);
+  for (const Vec3f& vertex : one.vertices) {
+    const Vec3d cells = to_cells.point(Vec3d(vertex));
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_GE(cells[axis] + 0.01, page[0].low[axis]);
+      EXPECT_LE(cells[axis] - 0.01, page[0].high[axis] + 1);
+    }
+  }
+}
+
 TEST_F(SurfaceStore, one_face_a_hundred_thousand_times_is_sound) {
   io::TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};

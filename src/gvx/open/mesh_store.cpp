@@ -44,6 +44,12 @@ std::string scratch_folder(const MeshBuild& build, const std::string& output) {
 
 Result<BuiltSurface> build_mesh_surface(const std::string& path, const std::string& output,
                                         const MeshBuild& build, const OpenOptions& options) {
+  constexpr std::uint64_t kLeastMemory = 1 << 20;
+  if (build.store.memory_bytes < kLeastMemory) {
+    return Error{path + ": a surface needs " + store::mebibytes(kLeastMemory) + " of memory; " +
+                 std::to_string(build.store.memory_bytes) + " bytes are allowed" +
+                 options.naming.advice(" (--memory)", "")};
+  }
   const mesh::SurfaceProgress show = [&](const char* what, std::uint64_t done, std::uint64_t all) {
     options.show_work({what, Work::Unit::none, done, all});
   };

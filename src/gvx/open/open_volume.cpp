@@ -19,6 +19,7 @@
 #include "gvx/produce/deeper_producer.h"
 #include "gvx/produce/repeat_producer.h"
 #include "gvx/produce/store_producer.h"
+#include "gvx/render/frame/view.h"
 #include "gvx/scene/transfer_presets.h"
 #include "gvx/store/store_reader.h"
 #include "gvx/surface/stored_surface.h"
@@ -145,13 +146,18 @@ Result<OpenVolume> open_part(const Request& request, const std::string& name, sc
   return OpenVolume{std::move(producer), preset};
 }
 
+/// Does the scene cut anything of the object off?
+bool clips(const scene::ObjectParts& object) {
+  return object.clip && *object.clip != render::ObjectLook().clip;
+}
+
 /// An error where a surface is to be shown as only volumes are.
 Status check_surface(const scene::ObjectParts& object, const OpenVolume& opened) {
   if (!opened.producer->description().surface) return {};
   const std::string& name = *object.volume;
   if (object.mode.value_or(scene::Mode::composite) != scene::Mode::composite)
     return Error{name + ": mode: a surface is shown as it is; expected composite"};
-  if (object.clip) return Error{name + ": clip: surfaces are not clipped yet; expected none"};
+  if (clips(object)) return Error{name + ": clip: surfaces are not clipped yet; expected none"};
   return {};
 }
 
@@ -162,7 +168,7 @@ Result<OpenVolume> open_volume(const scene::ObjectParts& object, const OpenOptio
   scene::GenerateParts parts = object.generate;
   Request request{volume_options(object), options};
   request.meshes_are_surfaces = object.mode.value_or(scene::Mode::composite) == scene::Mode::composite &&
-                                !object.clip && options.render.kind() == exec::DeviceKind::cpu;
+                                !clips(object) && options.render.kind() == exec::DeviceKind::cpu;
   GVX_ASSIGN(OpenVolume opened, open_part(request, *object.volume, parts));
   GVX_TRY(check_surface(object, opened));
   GVX_TRY(check_all_taken(*object.volume, parts));

@@ -37,8 +37,9 @@ constexpr Ints kInts;
 // Parts of a pixel that corners are rounded to.
 constexpr int kPartBits = 8;
 constexpr std::int32_t kParts = 1 << kPartBits;
-// Corners further from the tile than this many pixels, and those behind the eye, are for the plain way.
-constexpr float kFarthest = 4096;
+// Corners further from the tile than this many pixels, and those behind the eye, are for the plain way:
+// numbers of edges are products of two such ways, and fit 64 bits.
+constexpr float kFarthest = 1 << 20;
 
 HWY_INLINE Float all(float value) {
   return hn::Set(kFloats, value);
@@ -46,10 +47,10 @@ HWY_INLINE Float all(float value) {
 
 /// The vertices of a list on the film.
 struct Vertices {
-  std::vector<std::int32_t> x, y;  // in parts of a pixel, from the tile's first pixel on; kFar: none
+  std::vector<std::int32_t> x, y;  // in parts of a pixel, from the tile's first pixel on; or kFar, kBehind
   std::vector<float> w;            // 1 / depth; orthographic: depth
 
-  static constexpr std::int32_t kFar = INT32_MIN;
+  static constexpr std::int32_t kFar = INT32_MIN, kBehind = INT32_MIN + 1;
 
   void resize(std::size_t size) {
     if (x.size() < size) x.resize(size), y.resize(size), w.resize(size);
@@ -111,10 +112,13 @@ class Rasteriser {
       const Float x = hn::MulAdd(along(rows[0]), scale, all(x0)),
                   y = hn::NegMulAdd(along(rows[1]), scale, all(y0));
       const Mask near = hn::And(hn::Lt(hn::Abs(x), all(kFarthest)), hn::Lt(hn::Abs(y), all(kFarthest)));
-      const Mask sound = film.orthographic ? near : hn::And(near, hn::Gt(z, hn::Zero(kFloats)));
+      const Mask sound = hn::And(near, hn::Gt(z, hn::Zero(kFloats)));
+      const Mask behind = hn::Le(z, hn::Zero(kFloats));
+      const Int unsound = hn::IfThenElse(hn::RebindMask(kInts, behind), hn::Set(kInts, Vertices::kBehind),
+                                         hn::Set(kInts, Vertices::kFar));
       const auto parts = [&](Float v) HWY_ATTR {
         const Int whole = hn::NearestInt(hn::IfThenElseZero(sound, hn::Mul(v, all(kParts))));
-        return hn::IfThenElse(hn::RebindMask(kInts, sound), whole, hn::Set(kInts, Vertices::kFar));
+        return hn::IfThenElse(hn::RebindMask(kInts, sound), whole, unsound);
       };
       hn::StoreU(parts(x), kInts, &vertices_->x[first]);
       hn::StoreU(parts(y), kInts, &vertices_->y[first]);
@@ -137,8 +141,9 @@ class Rasteriser {
       std::memcpy(v, corners + std::size_t{triangle} * sizeof(v), sizeof(v));
       const std::int32_t ax = x[v[0]], bx = x[v[1]], cx = x[v[2]], ay = y[v[0]], by = y[v[1]], cy = y[v[2]];
       const std::int32_t low_x = std::min({ax, bx, cx}), low_y = std::min({ay, by, cy});
-      if (low_x == Vertices::kFar) {
-        draw_plainly(triangle);
+      if (low_x <= Vertices::kBehind) {
+        const bool all_behind = std::max({ax, bx, cx}) == Vertices::kBehind && low_x == Vertices::kBehind;
+        if (!all_behind) draw_plainly(triangle);
         continue;
       }
       // Pixels whose middles may be covered.
