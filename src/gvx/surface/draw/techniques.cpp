@@ -18,6 +18,27 @@ PixelRect around(double x0, double x1, double y0, double y1, const PixelRect& pa
           whole(std::floor(x1) + 1, part.x0, part.x1), whole(std::floor(y1) + 1, part.y0, part.y1)};
 }
 
+/// The pixels that may see a triangle with something before the eye.
+PixelRect pixels_of(const FilmPlane& film, const Vec3d (&corner)[3], const PixelRect& part) {
+  double x0 = INFINITY, x1 = -INFINITY, y0 = INFINITY, y1 = -INFINITY;
+  const auto add_x = [&](double x) { x0 = std::min(x0, x), x1 = std::max(x1, x); };
+  const auto add_y = [&](double y) { y0 = std::min(y0, y), y1 = std::max(y1, y); };
+  for (int i = 0; i < 3; ++i) {
+    const Vec3d &a = corner[i], &b = corner[(i + 1) % 3];
+    if (film.orthographic || a.z > 0) add_x(film.x_of(a)), add_y(film.y_of(a));
+    if (film.orthographic || (a.z > 0) == (b.z > 0)) continue;
+    // Where an edge comes to the eye's plane it is seen infinitely far to one side.
+    const Vec3d at = a + (a.z / (a.z - b.z)) * (b - a);
+    const double rounding = 1e-9 * (std::fabs(at.x) + std::fabs(at.y));
+    for (const double sign : {-1.0, 1.0}) {
+      if (sign * at.x >= -rounding) add_x(sign * INFINITY);
+      if (sign * at.y >= -rounding) add_y(-sign * INFINITY);
+    }
+  }
+  constexpr double kMargin = 1e-6;  // for what is rounded
+  return around(x0 - kMargin, x1 + kMargin, y0 - kMargin, y1 + kMargin, part);
+}
+
 }  // namespace
 
 void cast_samples(const DrawnSamples& drawn, TileHits& hits) {
@@ -81,14 +102,7 @@ void rasterise_one(const DrawnTriangles& drawn, std::uint32_t triangle, TileHits
   const SeenTriangle seen(drawn.placed, drawn.triangles, triangle);
   const auto& corner = seen.corner;
   if (!(std::max({corner[0].z, corner[1].z, corner[2].z}) > 0)) return;  // behind the eye
-  PixelRect rect = drawn.part;
-  if (film.orthographic || std::min({corner[0].z, corner[1].z, corner[2].z}) > 0) {
-    Vec3d x, y;
-    for (int i = 0; i < 3; ++i) x[i] = film.x_of(corner[i]), y[i] = film.y_of(corner[i]);
-    constexpr double kMargin = 1e-6;  // for what is rounded
-    rect = around(min_component(x) - kMargin, max_component(x) + kMargin, min_component(y) - kMargin,
-                  max_component(y) + kMargin, drawn.part);
-  }
+  const PixelRect rect = pixels_of(film, corner, drawn.part);
   for (std::int32_t py = rect.y0; py < rect.y1; ++py) {
     for (std::int32_t px = rect.x0; px < rect.x1; ++px) {
       Vec3d weight;
