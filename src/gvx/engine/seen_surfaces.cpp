@@ -53,9 +53,9 @@ Status check_distance(const render::FilmView& film, const World& world) {
     if (!(nearest > 0) || world.out_of_sight(object, film.camera)) continue;
     if (farthest * kRounding > kMostOfPixel * plane.width_at(nearest)) {
       return Error{
-          "camera: it is so far away that surfaces cannot be told apart by their depths; expected an eye "
-          "that is "
-          "nearer, or a wider angle"};
+          "camera: surfaces cannot be told apart from so far away; expected an eye that is nearer, or a "
+          "wider "
+          "angle"};
     }
   }
   return {};

@@ -79,15 +79,20 @@ Status Viewer::look(const render::View& view, std::shared_ptr<const World> world
   see_surfaces();
   GVX_TRY(look_coarsely());
   cut_rays();
-  film_->clear();
-  exact_->begin(*film_);
-  if (!has_volumes()) exact_->end();
+  begin_rays();
   crowded_ = false;
   preview_at_rest_ = false;
   restarts_ = 0;
   data_came_ = false;
   preview_->begin_view(ahead_.moving() ? pace_.first_block() : render::Film::kLargestBlock);
   return {};
+}
+
+/// All rays are at their start; where there are no volumes, none marches.
+void Viewer::begin_rays() {
+  film_->clear();
+  exact_->begin(*film_);
+  if (!has_volumes()) exact_->end();
 }
 
 /// Those of this view are to be drawn anew.
@@ -330,9 +335,7 @@ Status Viewer::draw_surfaces_roughly(exec::FairMutex::Turn& turn, exec::Deadline
     if (!data_came_) break;
   }
   // What rays have marched ends elsewhere now.
-  film_->clear();
-  exact_->begin(*film_);
-  if (!has_volumes()) exact_->end();
+  begin_rays();
   preview_->begin_again();
   return {};
 }

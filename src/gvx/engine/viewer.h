@@ -94,6 +94,7 @@ class Viewer {
   Status out_of_memory() const;
 
   void see_surfaces();
+  void begin_rays();
   bool has_volumes() const { return !world().volumes().empty(); }
 
   // A frame's parts, with the turn.

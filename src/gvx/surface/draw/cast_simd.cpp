@@ -11,6 +11,7 @@
 // clang-format off
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+#include "gvx/surface/draw/lanes_simd-inl.h"
 // clang-format on
 
 #include <algorithm>
@@ -24,22 +25,10 @@ HWY_BEFORE_NAMESPACE();
 namespace gvx::surface::HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Floats = hn::ScalableTag<float>;
-using Ints = hn::RebindToSigned<Floats>;
 using Words = hn::RebindToUnsigned<Floats>;
-using Float = hn::Vec<Floats>;
-using Int = hn::Vec<Ints>;
 using Word = hn::Vec<Words>;
-using Mask = hn::Mask<Floats>;
-constexpr Floats kFloats;
-constexpr Ints kInts;
 constexpr Words kWords;
 
-HWY_INLINE Float all(float value) {
-  return hn::Set(kFloats, value);
-}
 HWY_INLINE Int all_ints(std::int32_t value) {
   return hn::Set(kInts, value);
 }

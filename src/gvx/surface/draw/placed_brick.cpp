@@ -14,13 +14,14 @@ PlacedBrick::Seen seen_of(const FilmPlane& film, const Affine3& to_camera, const
   };
   Vec3d corners[8];
   PlacedBrick::Seen seen;
-  seen.nearest = INFINITY, seen.farthest = -INFINITY;
+  seen.nearest = INFINITY;
+  double farthest = -INFINITY;
   for (int i = 0; i < 8; ++i) {
     corners[i] = corner(i);
     seen.nearest = std::min(seen.nearest, corners[i].z);
-    seen.farthest = std::max(seen.farthest, corners[i].z);
+    farthest = std::max(farthest, corners[i].z);
   }
-  if (!(seen.farthest > 0)) return seen;
+  if (!(farthest > 0)) return seen;
   const double widest =
       std::max({length(to_camera.column[0]), length(to_camera.column[1]), length(to_camera.column[2])});
   const bool around_eye = !(seen.nearest > 0);

@@ -69,12 +69,11 @@ struct PlacedBrick {
   Affine3 to_camera;  ///< from cells of the brick
   Affine3 to_cells;   ///< and back
 
-  /// A box of cells, as the film sees it: which pixels its rays may meet, and between which depths.
+  /// A box of cells, as the film sees it: which pixels its rays may meet, and from which depth on.
   struct Seen {
     PixelRect rect;
     /// A cell before the box begins: nothing that the brick shows is nearer.
     double nearest = 0;
-    double farthest = 0;
     /// The most that a cell may be wide, in pixels.
     double cell_pixels = 0;
   };

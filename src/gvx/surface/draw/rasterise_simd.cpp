@@ -10,6 +10,7 @@
 // clang-format off
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+#include "gvx/surface/draw/lanes_simd-inl.h"
 // clang-format on
 
 #include <algorithm>
@@ -24,26 +25,12 @@ HWY_BEFORE_NAMESPACE();
 namespace gvx::surface::HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Floats = hn::ScalableTag<float>;
-using Ints = hn::RebindToSigned<Floats>;
-using Float = hn::Vec<Floats>;
-using Int = hn::Vec<Ints>;
-using Mask = hn::Mask<Floats>;
-constexpr Floats kFloats;
-constexpr Ints kInts;
-
 // Parts of a pixel that corners are rounded to.
 constexpr int kPartBits = 8;
 constexpr std::int32_t kParts = 1 << kPartBits;
 // Corners further from the tile than this many pixels, and those behind the eye, are for the plain way:
 // numbers of edges are products of two such ways, and fit 64 bits.
 constexpr float kFarthest = 1 << 20;
-
-HWY_INLINE Float all(float value) {
-  return hn::Set(kFloats, value);
-}
 
 /// The vertices of a list on the film.
 struct Vertices {

@@ -9,6 +9,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
+#include "gvx/surface/draw/lanes_simd-inl.h"
 // clang-format on
 
 #include <cmath>
@@ -21,20 +22,7 @@ HWY_BEFORE_NAMESPACE();
 namespace gvx::surface::HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Floats = hn::ScalableTag<float>;
-using Ints = hn::RebindToSigned<Floats>;
-using Float = hn::Vec<Floats>;
-using Int = hn::Vec<Ints>;
-using Mask = hn::Mask<Floats>;
-constexpr Floats kFloats;
-constexpr Ints kInts;
 constexpr std::size_t kMost = hn::MaxLanes(kFloats);
-
-HWY_INLINE Float all(float value) {
-  return hn::Set(kFloats, value);
-}
 
 struct Vec3v {
   Float x, y, z;
@@ -126,8 +114,7 @@ class RowShader {
 
   static void gather_sample(const SurfacePixel& pixel, const SeenBrick& brick, std::size_t lane,
                             Gathered& to) {
-    const Cell cell{static_cast<int>(pixel.item % kCells), static_cast<int>(pixel.item / kCells % kCells),
-                    static_cast<int>(pixel.item / (kCells * kCells) % kCells)};
+    const Cell cell = unpacked(pixel.item);
     const Cell grid = GridAxes(brick.samples.axis).to_grid(cell);
     const SampleAttributes& a = brick.samples.attributes[brick.samples.grid.rank(grid.x, grid.y, grid.z)];
     to.packed[lane] = a.normal[0] | a.normal[1] << 8 | a.normal[2] << 16;

@@ -20,6 +20,11 @@ SurfaceCamera camera_of(const SurfaceView& view) {
   return {FilmPlane(view.camera, view.width, view.height), world_to_camera(view.camera), widest, view.only};
 }
 
+/// What tells where a brick is seen.
+Piece drawn_piece(Technique technique) {
+  return technique == Technique::rasterise ? Piece::triangles : Piece::geometry;
+}
+
 /// Elements that are asked for at a time: what comes hides what is behind it, which need not come then.
 constexpr std::size_t kMostLacking = 4096;
 
@@ -28,7 +33,7 @@ constexpr std::size_t kMostLacking = 4096;
 struct SurfaceDrawing::Drawn {
   std::uint32_t number = 0;  // in the cut
   PlacedBrick placed;
-  const std::byte* pieces[kPieces] = {};
+  const std::byte* bytes = nullptr;  // of its drawn_piece()
 };
 
 SurfaceDrawing::SurfaceDrawing(const exec::Device& cpu, const SurfaceView& view,
@@ -114,15 +119,14 @@ std::vector<LackingElement> SurfaceDrawing::advance() {
     Drawn drawn{i, cut_.camera().place(instances_[brick.instance], brick.level, brick.key)};
     ResidentSurface& surface = *instances_[brick.instance].surface;
     // What colours what is seen comes later, but where it is a part of the same.
-    const Piece piece = brick.technique == Technique::rasterise ? Piece::triangles : Piece::geometry;
-    const std::byte* const bytes = surface.piece(brick.level, brick.place, piece);
-    if (bytes == nullptr) {
+    const Piece piece = drawn_piece(brick.technique);
+    drawn.bytes = surface.piece(brick.level, brick.place, piece);
+    if (drawn.bytes == nullptr) {
       all_drawn = false;
       lacking.push_back({brick.instance, brick.level, brick.place, false, piece,
                          piece_bytes(brick.node, piece), brick.seen.nearest});
       continue;
     }
-    drawn.pieces[static_cast<int>(piece)] = bytes;
     brick.drawn = true;
     ready.push_back(drawn);
   }
@@ -149,11 +153,8 @@ std::vector<LackingElement> SurfaceDrawing::draw_resident() {
   for (std::uint32_t i = 0; i < cut_.bricks().size(); ++i) {
     CutBrick& brick = cut_.bricks()[i];
     Drawn drawn{i, cut_.camera().place(instances_[brick.instance], brick.level, brick.key)};
-    for (int piece = 0; piece < kPieces; ++piece) {
-      if (!needs(brick.technique, static_cast<Piece>(piece))) continue;
-      drawn.pieces[piece] =
-          instances_[brick.instance].surface->piece(brick.level, brick.place, static_cast<Piece>(piece));
-    }
+    drawn.bytes =
+        instances_[brick.instance].surface->piece(brick.level, brick.place, drawn_piece(brick.technique));
     brick.drawn = true;
     ready.push_back(drawn);
   }
@@ -185,7 +186,7 @@ void SurfaceDrawing::draw(std::vector<Drawn>& bricks) {
     const bool triangles = brick.technique == Technique::rasterise;
     (triangles ? counts_.triangles : counts_.samples) +=
         triangles ? brick.node.triangles : brick.node.samples;
-    counts_.bytes += piece_bytes(brick.node, triangles ? Piece::triangles : Piece::geometry);
+    counts_.bytes += piece_bytes(brick.node, drawn_piece(brick.technique));
     const PixelRect& rect = brick.seen.rect;
     constexpr std::int32_t kEdge = TileHits::kEdge;
     for (std::int32_t y = rect.y0 / kEdge; y <= (rect.y1 - 1) / kEdge; ++y) {
@@ -234,8 +235,7 @@ void SurfaceDrawing::draw_tile(const PixelRect& rect, bool blank, std::span<cons
     const PixelRect part = brick.seen.rect & rect;
     if (hits.hides(part, brick.seen.nearest)) continue;
     if (brick.technique == Technique::rasterise) {
-      const TriangleListView triangles =
-          triangle_view(brick.node, drawn.pieces[static_cast<int>(Piece::triangles)]);
+      const TriangleListView triangles = triangle_view(brick.node, drawn.bytes);
       const DrawnTriangles what{film, drawn.placed, triangles, drawn.number, part, brick.seen.nearest};
       if (view_.plain) {
         rasterise(what, hits);
@@ -244,8 +244,7 @@ void SurfaceDrawing::draw_tile(const PixelRect& rect, bool blank, std::span<cons
       }
       continue;
     }
-    const SurfaceBrickView samples =
-        brick_view(brick.node, drawn.pieces[static_cast<int>(Piece::geometry)], nullptr);
+    const SurfaceBrickView samples = brick_view(brick.node, drawn.bytes, nullptr);
     const DrawnSamples what{film,
                             drawn.placed,
                             samples,
